@@ -1,0 +1,74 @@
+"""What can go wrong, said once: each error keeps its data, composes its own sentence and has an exit code.
+
+0 done, 1 a fault of orthospec itself, 2 wrong use or a wrong spec, 3 no design found that meets the hard
+bounds, 4 stopped before the end, 5 a plugin failed. Code 3 is a result's status, not an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class OrthospecError(Exception):
+    """Base of all that orthospec raises on purpose; its text is for the user."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True, order=True)
+class Mistake:
+    """One mistake in a file, at its place (line and column count from 1; 0 where there is no place)."""
+
+    file: str
+    line: int
+    column: int
+    message: str
+
+    def __str__(self) -> str:
+        """``FILE:LINE:COLUMN: message``, as editors and compilers write it."""
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return f"{place}: {self.message}"
+
+
+class SpecError(OrthospecError):
+    """A spec (or a result file) that cannot be used: all its mistakes at once."""
+
+    exit_code = 2
+
+    def __init__(self, mistakes: Sequence[Mistake]) -> None:
+        self.mistakes = tuple(sorted(mistakes))
+        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))
+
+
+class UsageError(OrthospecError):
+    """A command or a function asked for something that cannot be."""
+
+    exit_code = 2
+
+
+class UnbuildableDesign(OrthospecError):
+    """A manipulator's or measure's own validator refuses these values of the variables.
+
+    Not a fault: a region of the design space without a machine.
+    """
+
+    exit_code = 2
+
+    def __init__(self, values: dict[str, float], reason: str) -> None:
+        self.values = dict(values)
+        self.reason = reason
+        at = ", ".join(f"{name} = {value:.10g}" for name, value in values.items())
+        super().__init__(f"no machine can be built at {at or 'these values'}: {reason}")
+
+
+class PluginFault(OrthospecError):
+    """A measure or manipulator raised, or gave back what its contract does not allow."""
+
+    exit_code = 5
+
+    def __init__(self, plugin: str, what: str, place: str | None = None) -> None:
+        self.plugin = plugin
+        self.what = what
+        self.place = place
+        super().__init__(f"{place + ': ' if place else ''}plugin {plugin}: {what}")

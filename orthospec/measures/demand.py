@@ -1,0 +1,70 @@
+"""`Demand`: a measure with the bounds that a spec puts on it, at one design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from orthospec.arrays import np
+from orthospec.measures.base import Measure
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Flags
+
+ROUNDING = 1e-12
+"""Designs end exactly on their bounds, and the last bit must not decide: a bound holds within this, relative."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """Further bounds on a measure: reported with a cuboid of their own, binding nothing."""
+
+    bounds: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Demand:
+    """``name`` is the user's; ``bounds`` maps the sides in use ("at_least", "at_most") to SI values."""
+
+    name: str
+    measure: Measure
+    bounds: Mapping[str, float]
+    levels: tuple[Level, ...] = ()
+    place: str | None = None
+    """``FILE:LINE:COLUMN`` of the measure in its spec, for messages."""
+
+    def at(self, level: Level) -> Demand:
+        """The same measure with the bounds of one of its levels."""
+        return Demand(self.name, self.measure, level.bounds, (), self.place)
+
+    def meets(self, values: Array) -> Flags:
+        """Whether each pose meets the bounds (n,); values as `Measure.values` gives them; NaN does not."""
+        met = np.ones(len(values), dtype=bool)
+        for side, bound in self.bounds.items():
+            slack = ROUNDING * abs(bound)
+            bounded = bounded_side(values, side)
+            met &= bounded >= bound - slack if side == "at_least" else bounded <= bound + slack
+        return met
+
+
+def bounded_side(values: Array, side: str) -> Array:
+    """The column of a measure's values that a bound of this side bounds, (n,)."""
+    if values.ndim == 1:
+        return values
+    return values[:, 0] if side == "at_least" else values[:, 1]
+
+
+def excess(values: Array, bound: float, side: str) -> Array:
+    """How far a bound is exceeded (n,), <= 0 where it holds: ln of the ratio where both are positive.
+
+    Elsewhere the difference over the bound's magnitude (over 1 for a bound of 0). NaN stays NaN.
+    """
+    sign = 1.0 if side == "at_most" else -1.0
+    bounded = bounded_side(values, side)
+    difference = sign * (bounded - bound) / (abs(bound) or 1.0)
+    if bound <= 0:
+        return difference
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = sign * np.log(bounded / bound)
+    return np.where(bounded > 0, ratio, difference if side == "at_most" else np.inf)

@@ -1,0 +1,114 @@
+"""Kinematic measures: how the tool's velocity follows the joint rates, ṗ = J ρ̇.
+
+All three are functions of the singular values σ_1 <= ... <= σ_d of J = ∂p/∂ρ, that is of the stretch in the
+polar decomposition J = V R. Its logarithm
+
+    H = ln V = −½ ln(J⁻ᵀ J⁻¹),      eigenvalues ln σ_i,
+
+is smooth in pose and design also where singular values coincide, and every bound is convex in it and linear
+in the bound's logarithm: λ_max(H) <= ln b, λ_min(H) >= ln b, λ_max(H) − λ_min(H) <= ln k, tr H >= ln w.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from orthospec.arrays import np
+from orthospec.measures.base import ConvexForm, Measure, logarithm
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Matrices, Poses
+    from orthospec.manipulators import Manipulator
+
+
+def transmission_factors(inverse_jacobian: Matrices) -> Array:
+    """Singular values of J, ascending (n, m), from J⁻¹; inf at a parallel singularity, NaN from NaN."""
+    sigma = np.full(inverse_jacobian.shape[:2], np.nan)
+    known = np.isfinite(inverse_jacobian).all(axis=(1, 2))
+    with np.errstate(divide="ignore"):
+        sigma[known] = 1.0 / np.linalg.svd(inverse_jacobian[known], compute_uv=False)
+    return sigma
+
+
+def logarithmic_stretch(inverse_jacobian: Matrices) -> Matrices:
+    """H = −½ ln(J⁻ᵀ J⁻¹) (n, m, m), symmetric."""
+    eigenvalues, vectors = np.linalg.eigh(np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (vectors * (-0.5 * np.log(eigenvalues))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+
+
+def _stretch_form(manipulator: Manipulator, poses: Poses, holds: Any) -> ConvexForm:
+    return ConvexForm(logarithmic_stretch(manipulator.inverse_jacobian(poses)), holds)
+
+
+class VelocityTransmission(Measure):
+    """Velocity transmission factors: least and greatest singular value of J = ∂p/∂ρ.
+
+    The tool's speed for a joint rate of norm 1 lies between them in every direction. Chablat and Wenger
+    (2003); Pashkevich, Chablat and Wenger (2009), section 3.1.
+    """
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least", "at_most"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """σ_min(J) and σ_max(J), (n, 2)."""
+        return transmission_factors(manipulator.inverse_jacobian(poses))[:, [0, -1]]
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:
+        """λ_max(H) <= ln b, or λ_min(H) >= ln b."""
+        import cvxpy as cp
+
+        def below(x: Any, bound: Any, slack: Any) -> list[Any]:
+            return [cp.lambda_max(x) <= logarithm(bound) + slack]
+
+        def above(x: Any, bound: Any, slack: Any) -> list[Any]:
+            return [cp.lambda_min(x) >= logarithm(bound) - slack]
+
+        return _stretch_form(manipulator, poses, below if side == "at_most" else above)
+
+
+class ConditionNumber(Measure):
+    """Condition number κ(J) = σ_max(J) / σ_min(J): 1 where the machine moves alike in all directions.
+
+    Pashkevich, Chablat and Wenger (2009), eq. 4.
+    """
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """κ(J), (n,); inf at a singularity."""
+        sigma = transmission_factors(manipulator.inverse_jacobian(poses))
+        with np.errstate(invalid="ignore"):
+            return sigma[:, -1] / sigma[:, 0]
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """λ_max(H) − λ_min(H) <= ln k."""
+        import cvxpy as cp
+
+        def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+            return [cp.lambda_max(x) - cp.lambda_min(x) <= logarithm(bound) + slack]
+
+        return _stretch_form(manipulator, poses, holds)
+
+
+class Manipulability(Measure):
+    """Manipulability w = sqrt(det J Jᵀ) = |det J| (Yoshikawa 1985): volume of the velocity ellipsoid."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """|det J|, (n,); inf at a parallel singularity."""
+        with np.errstate(divide="ignore"):
+            return 1.0 / np.abs(np.linalg.det(manipulator.inverse_jacobian(poses)))
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """tr H >= ln w."""
+        import cvxpy as cp
+
+        def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+            return [cp.trace(x) >= logarithm(bound) - slack]
+
+        return _stretch_form(manipulator, poses, holds)

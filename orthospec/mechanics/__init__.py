@@ -1,0 +1,1 @@
+"""Formulas of mechanics as plain functions, batched over poses."""

@@ -1,0 +1,86 @@
+"""Translational machines with one prismatic actuator and one rigid leg a chain.
+
+Orthoglide, linear Delta, UraneSX, Triglide and Quickstep are members. Slider i moves along the unit axis
+e_i through b_i; a leg of length L_i joins the slider point b_i + ρ_i e_i to the platform point p + c_i.
+With s_i = b_i + ρ_i e_i − p − c_i the loop closes where |s_i| = L_i (Merlet, *Parallel Robots*, 2006):
+
+    ρ_i = d_i·e_i + β_i sqrt(L_i² − |d_i|² + (d_i·e_i)²),      d_i = p + c_i − b_i,
+
+with β_i = ±1 the branch, the sign of s_i·e_i. Differentiating |s_i|² = L_i² gives row i of J⁻¹ = ∂ρ/∂p,
+
+    s_iᵀ / (s_i·e_i).
+
+For the Orthoglide (e_i the coordinate axes, b_i = c_i = 0) this is the bracket of eq. 14 of Pashkevich,
+Chablat and Wenger (2009); J_ρ there is its inverse.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from orthospec.arrays import np
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Joints, Matrices, Poses
+
+CLEARANCE = 1e-6
+"""Least distance from a singularity that counts as inside the reach: |s_i·e_i| / L_i, and the volume
+spanned by the unit legs. A serial singularity stands where the first is 0, a parallel one where the second is."""
+
+
+class PrismaticLegs(NamedTuple):
+    """The geometry of one machine of the family; rows are chains."""
+
+    axes: Array
+    """e_i, unit (3, 3)."""
+    bases: Array
+    """b_i (3, 3) [m]."""
+    joints: Array
+    """c_i, from the tool point to the leg's end on the platform (3, 3) [m]."""
+    lengths: Array
+    """L_i (3,) [m]."""
+    branches: Array
+    """β_i (3,), 1 or −1."""
+
+
+def sliders(machine: PrismaticLegs, poses: Poses) -> Joints:
+    """ρ (n, 3) [m]; NaN where a leg is too short to close its loop."""
+    d = poses[:, None, :] + (machine.joints - machine.bases)
+    along = np.einsum("nik,ik->ni", d, machine.axes)
+    with np.errstate(invalid="ignore"):
+        return along + machine.branches * np.sqrt(_closing(machine, d, along))
+
+
+def legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
+    """s (n, 3, 3) [m]: row i leads from the platform to slider i."""
+    return rho[:, :, None] * machine.axes + machine.bases - machine.joints - poses[:, None, :]
+
+
+def inverse_jacobian(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Matrices:
+    """J⁻¹ (n, 3, 3): row i is s_iᵀ / (s_i·e_i); infinite or NaN at a serial singularity."""
+    s = legs(machine, poses, rho)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return s / np.einsum("nik,ik->ni", s, machine.axes)[:, :, None]
+
+
+def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
+    """(n, 3): (s_i·e_i / L_i)² less the clearance, >= 0 where leg i closes its loop; polynomial in the pose."""
+    d = poses[:, None, :] + (machine.joints - machine.bases)
+    along = np.einsum("nik,ik->ni", d, machine.axes)
+    return _closing(machine, d, along) / machine.lengths**2 - CLEARANCE**2
+
+
+def assembly_margin(machine: PrismaticLegs, poses: Poses, rho: Joints, sign: float) -> Array:
+    """(n,): volume of the unit legs, times the branches and ``sign``, less the clearance.
+
+    It has the sign of ``sign`` det J⁻¹ and is 0 at a parallel singularity, where J⁻¹ loses rank though a
+    measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly.
+    """
+    s = legs(machine, poses, rho) / machine.lengths[:, None]
+    volume = np.einsum("ni,ni->n", s[:, 0], np.cross(s[:, 1], s[:, 2]))
+    return sign * np.prod(machine.branches) * volume - CLEARANCE
+
+
+def _closing(machine: PrismaticLegs, d: Array, along: Array) -> Array:
+    """(s_i·e_i)² (n, 3), negative where the loop cannot close."""
+    return machine.lengths**2 - np.einsum("nik,nik->ni", d, d) + along**2
