@@ -1,0 +1,51 @@
+"""Field types with units, and expressions over the design variables."""
+
+from orthospec.quantities.expressions import Expression, ExpressionError, Extreme
+from orthospec.quantities.fields import (
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Area,
+    Density,
+    Force,
+    Frequency,
+    Inertia,
+    Length,
+    Mass,
+    Number,
+    Pressure,
+    Quantity,
+    RotationalStiffness,
+    SecondMoment,
+    Speed,
+    Stiffness,
+    Time,
+    Torque,
+)
+from orthospec.quantities.units import UnitError
+
+__all__ = [
+    "Acceleration",
+    "Angle",
+    "AngularSpeed",
+    "Area",
+    "Density",
+    "Expression",
+    "ExpressionError",
+    "Extreme",
+    "Force",
+    "Frequency",
+    "Inertia",
+    "Length",
+    "Mass",
+    "Number",
+    "Pressure",
+    "Quantity",
+    "RotationalStiffness",
+    "SecondMoment",
+    "Speed",
+    "Stiffness",
+    "Time",
+    "Torque",
+    "UnitError",
+]
