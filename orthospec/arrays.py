@@ -9,9 +9,6 @@ The first axis of each array is the batch: n poses, n boxes. Units are SI.
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 if TYPE_CHECKING:
@@ -26,17 +23,16 @@ if TYPE_CHECKING:
     Mask: TypeAlias = Annotated[NDArray[np.uint8], "i j k"]
 else:
 
-    def _at_first_use(name: str) -> ModuleType:
-        """The module ``name``, executed when an attribute of it is first asked for."""
-        if name in sys.modules:
-            return sys.modules[name]
-        found = importlib.util.find_spec(name)
-        found.loader = importlib.util.LazyLoader(found.loader)
-        module = importlib.util.module_from_spec(found)
-        sys.modules[name] = module
-        found.loader.exec_module(module)
-        return module
+    class _Numpy:
+        """Not a lazy module in ``sys.modules``: pydantic, looking for docstrings, touches all modules there."""
 
-    np = _at_first_use("numpy")
+        def __getattr__(self, name):
+            import numpy
+
+            value = getattr(numpy, name)
+            setattr(self, name, value)
+            return value
+
+    np = _Numpy()
 
 __all__ = ["np"]
