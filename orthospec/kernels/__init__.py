@@ -1,0 +1,58 @@
+"""The two loops that are too slow in Python, in C; `twin` is the plain Python of each.
+
+>>> import numpy as np
+>>> int(cube_sizes(np.ones((4, 5, 6), dtype=np.uint8)).max())
+4
+>>> symmetric_eigenvalues(np.diag([3.0, 1.0, 2.0])[None])
+array([[1., 2., 3.]])
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.kernels import _kernels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Array, Matrices
+
+__all__ = ["cube_sizes", "symmetric_eigenvalues"]
+
+
+def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Φ (i, j, k): edge, in nodes, of the largest cube of nonzero nodes that ends at each node.
+
+    "Ends": the node is the cube's corner of greatest indices. Pashkevich, Chablat and Wenger (2009),
+    section 4. A cell is one byte as long as no cube that the mask has room for is over 255 nodes.
+    """
+    nodes = np.ascontiguousarray(mask)
+    cell = np.uint8 if min(nodes.shape) <= np.iinfo(np.uint8).max else np.uint16
+    sizes = np.empty(nodes.shape, dtype=cell)
+    _kernels.cube_sizes(nodes, sizes)
+    return sizes
+
+
+def symmetric_eigenvalues(matrices: Matrices) -> Array:
+    """Eigenvalues (n, m), ascending, of symmetric matrices, of which the lower triangles are read.
+
+    To rounding of each matrix's norm, repeated eigenvalues included. A matrix that is not finite has NaN.
+    """
+    matrices = np.ascontiguousarray(matrices, dtype=np.float64)
+    if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
+        raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, m, m)")
+    if matrices.shape[1] != 3:
+        return _eigenvalues_of_any_size(matrices)
+    eigenvalues = np.empty(matrices.shape[:2])
+    _kernels.symmetric_eigenvalues_3(matrices, eigenvalues)
+    return eigenvalues
+
+
+def _eigenvalues_of_any_size(matrices: Matrices) -> Array:
+    eigenvalues = np.full(matrices.shape[:2], np.nan)
+    known = np.isfinite(np.tril(matrices)).all(axis=(1, 2))
+    eigenvalues[known] = np.linalg.eigvalsh(matrices[known])
+    return eigenvalues

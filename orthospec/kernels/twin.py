@@ -1,0 +1,46 @@
+"""The kernels in plain Python: what they compute, and the oracle of their tests."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Array, Matrices
+
+__all__ = ["cube_sizes", "symmetric_eigenvalues"]
+
+
+def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
+    """Φ as Pashkevich, Chablat and Wenger (2009) write it, section 4, Steps 0 to 2.
+
+    Step 0: Φ = 0.  Step 1: Φ = Ω in the first plane, row and column of each axis.  Step 2: elsewhere, in the
+    order of the indices, Φ = 1 + the least of the seven predecessors where Ω = 1.
+    """
+    omega = np.asarray(mask) != 0
+    i_max, j_max, k_max = omega.shape
+    phi = [[[0] * k_max for _ in range(j_max)] for _ in range(i_max)]
+    for i in range(i_max):
+        for j in range(j_max):
+            for k in range(k_max):
+                if i == 0 or j == 0 or k == 0:
+                    phi[i][j][k] = int(omega[i, j, k])
+                elif omega[i, j, k]:
+                    phi[i][j][k] = 1 + min(
+                        phi[i - 1][j][k],
+                        phi[i][j - 1][k],
+                        phi[i][j][k - 1],
+                        phi[i - 1][j - 1][k],
+                        phi[i - 1][j][k - 1],
+                        phi[i][j - 1][k - 1],
+                        phi[i - 1][j - 1][k - 1],
+                    )
+    return np.array(phi, dtype=np.int64).reshape(omega.shape)
+
+
+def symmetric_eigenvalues(matrices: Matrices) -> Array:
+    """Eigenvalues (n, m), ascending, by LAPACK; the matrices have to be finite."""
+    return np.linalg.eigvalsh(matrices).astype(np.float64)
