@@ -1,0 +1,96 @@
+"""The kernels beside what a user would take instead, as ratios within one run.
+
+python benchmarks/kernels.py
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import distance_transform_cdt
+
+from orthospec.kernels import cube_sizes, symmetric_eigenvalues
+
+EDGE = 201
+MATRICES = 200_000
+ROUNDS = 9
+
+Rivals = dict[str, Callable[[Any], Any]]
+
+
+def numpy_cube_sizes(mask: np.ndarray) -> np.ndarray:
+    """The same sizes in whole NumPy planes: runs along k, squares along j, cubes along i."""
+    sizes = runs(mask)
+    np.minimum(sizes[:, 0], 1, out=sizes[:, 0])
+    for j in range(1, sizes.shape[1]):
+        row, before = sizes[:, j], sizes[:, j - 1]
+        np.minimum(row[:, 1:], 1 + np.minimum(before[:, 1:], before[:, :-1]), out=row[:, 1:])
+    np.minimum(sizes[0], 1, out=sizes[0])
+    for i in range(1, sizes.shape[0]):
+        plane, below = sizes[i], sizes[i - 1]
+        rows = np.minimum(below[1:], below[:-1])
+        np.minimum(plane[1:, 1:], 1 + np.minimum(rows[:, 1:], rows[:, :-1]), out=plane[1:, 1:])
+    return sizes
+
+
+def runs(mask: np.ndarray) -> np.ndarray:
+    """Ones in a row that end at each node, by the place of the last zero."""
+    place = np.arange(1, mask.shape[2] + 1, dtype=np.uint16)
+    return place - np.maximum.accumulate(np.where(mask, np.uint16(0), place), axis=2)
+
+
+def chessboard(mask: np.ndarray) -> np.ndarray:
+    """Another question, often taken for this one: half the edge of the largest cube *about* each node."""
+    return distance_transform_cdt(np.pad(mask, 1), metric="chessboard")
+
+
+def median_times(rivals: Rivals, argument: np.ndarray) -> dict[str, float]:
+    """Median seconds of each; the rivals take turns, so that a busy spell meets all of them."""
+    taken: dict[str, list[float]] = {name: [] for name in rivals}
+    for _ in range(ROUNDS):
+        for name, rival in rivals.items():
+            start = time.perf_counter()
+            rival(argument)
+            taken[name].append(time.perf_counter() - start)
+    return {name: statistics.median(times) for name, times in taken.items()}
+
+
+def compare(title: str, rivals: Rivals, argument: np.ndarray, count: int) -> None:
+    """Print the first rival's time and the others beside it."""
+    times = median_times(rivals, argument)
+    ours = next(iter(times.values()))
+    print(f"\n{title:<42}{'ms':>9}{'ns each':>9}{'ratio':>8}")
+    for name, seconds in times.items():
+        print(f"  {name:<40}{seconds * 1e3:9.2f}{seconds / count * 1e9:9.2f}{seconds / ours:8.1f}")
+
+
+def masks() -> dict[str, np.ndarray]:
+    axis = np.linspace(-1.0, 1.0, EDGE)
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij", sparse=True)
+    noise = np.random.default_rng(0).random((EDGE,) * 3) < 0.9
+    return {"ball": (x**2 + y**2 + z**2 <= 0.9).astype(np.uint8), "noise": noise.astype(np.uint8)}
+
+
+def main() -> None:
+    cubes: Rivals = {
+        "cube_sizes": cube_sizes,
+        "the same in NumPy planes": numpy_cube_sizes,
+        "distance_transform_cdt (centred cubes)": chessboard,
+    }
+    for name, mask in masks().items():
+        np.testing.assert_array_equal(cube_sizes(mask), numpy_cube_sizes(mask))
+        compare(f"{name}, {EDGE}^3 nodes", cubes, mask, mask.size)
+    matrices = np.random.default_rng(1).standard_normal((MATRICES, 3, 3))
+    spectra: Rivals = {
+        "symmetric_eigenvalues": symmetric_eigenvalues,
+        "numpy.linalg.eigvalsh": np.linalg.eigvalsh,
+    }
+    compare(f"{MATRICES} symmetric 3 x 3 matrices", spectra, matrices, MATRICES)
+
+
+if __name__ == "__main__":
+    main()
