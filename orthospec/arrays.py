@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 else:
 
     class _Numpy:
-        """Not a lazy module in ``sys.modules``: pydantic, looking for docstrings, touches all modules there."""
+        """Not a lazy module in ``sys.modules``: pydantic touches all that stand there, for docstrings."""
 
         def __getattr__(self, name):
             import numpy

@@ -1,0 +1,122 @@
+"""`Spec`: a checked spec, and `Spec.design`, the machine and what is asked of it at given variables."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from orthospec import registry
+from orthospec.errors import UnbuildableDesign, UsageError
+from orthospec.quantities import Expression, ExpressionError
+from orthospec.quantities.fields import read
+from orthospec.spec.blueprint import Blueprint, Refused
+from orthospec.spec.design import Design, Sweep, Variable, Workspace
+from orthospec.spec.document import Document, Path
+from orthospec.spec.model import OptimiseKeys
+from orthospec.spec.plans import DemandPlan, GoalPlan, Reading
+
+if TYPE_CHECKING:
+    from orthospec.manipulators import Manipulator
+
+
+@dataclass(frozen=True)
+class Spec:
+    """What a spec file says, in SI, with its classes found and its expressions parsed."""
+
+    title: str | None
+    variables: Mapping[str, Variable]
+    machine: Blueprint[Manipulator]
+    workspace: Workspace
+    measures: tuple[DemandPlan, ...]
+    goals: tuple[GoalPlan, ...]
+    poses: Mapping[str, tuple[float, ...]]
+    sweep: Sweep | None
+    optimise: OptimiseKeys
+    source: str
+    """The text as run, with what ``--set`` changed."""
+    document: Document
+
+    def design(self, values: Mapping[str, float]) -> Design:
+        """The problem at these values of the variables; `UnbuildableDesign` where there is no machine."""
+        values = self._all_of(values)
+        try:
+            return Design(
+                values=values,
+                manipulator=self.machine.build(values),
+                demands=tuple(plan.at(values) for plan in self.measures),
+                goals=tuple(plan.at(values) for plan in self.goals),
+            )
+        except (Refused, ExpressionError) as error:
+            raise UnbuildableDesign(values, str(error)) from None
+
+    def default_values(self) -> dict[str, float]:
+        """Each variable's start, or else the middle of its range."""
+        return {name: variable.start for name, variable in self.variables.items()}
+
+    def place(self, path: Path) -> str:
+        """``FILE:LINE:COLUMN`` of a key or list item: ``place(("measures", "transmission"))``."""
+        return self.document.place(path)
+
+    @property
+    def plugins(self) -> tuple[registry.Installed, ...]:
+        """The plugins in use, with distribution and version, each once."""
+        used = {registry.distribution_of(registry.MANIPULATORS, self.machine.use)}
+        used |= {registry.distribution_of(registry.MEASURES, plan.blueprint.use) for plan in self.measures}
+        return tuple(sorted(used))
+
+    def canonical(self) -> dict[str, Any]:
+        """The content that decides the result: no title, notes or comments; SI units, one spelling."""
+        return {
+            "orthospec": 1,
+            "variables": {name: asdict(variable) for name, variable in self.variables.items()},
+            "manipulator": {"use": self.machine.use, "keys": _folded(self.machine.keys)},
+            "workspace": asdict(self.workspace),
+            "measures": {plan.name: _demand_content(plan) for plan in self.measures},
+            "goals": {plan.name: _goal_content(plan) for plan in self.goals},
+            "poses": {name: list(pose) for name, pose in self.poses.items()},
+            "sweep": None if self.sweep is None else asdict(self.sweep),
+            "optimise": self.optimise.model_dump(),
+        }
+
+    def sha256(self) -> str:
+        """Hash of the canonical content; the order of variables, measures and goals counts."""
+        text = json.dumps(self.canonical(), separators=(",", ":"), ensure_ascii=False)
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    def _all_of(self, values: Mapping[str, float]) -> dict[str, float]:
+        if values.keys() != self.variables.keys():
+            wanted, given = ", ".join(self.variables) or "none", ", ".join(values) or "none"
+            raise UsageError(f"a value for each variable was expected ({wanted}), given are {given}")
+        return {name: float(values[name]) for name in self.variables}
+
+
+def _demand_content(plan: DemandPlan) -> dict[str, Any]:
+    bounds = {side: _written(bound) for side, bound in plan.bounds.items()}
+    levels = [{side: _written(bound) for side, bound in level.items()} for level in plan.levels]
+    return {"use": plan.blueprint.use, **bounds, "levels": levels, "keys": _folded(plan.blueprint.keys)}
+
+
+def _goal_content(plan: GoalPlan) -> dict[str, Any]:
+    weight = "relative" if plan.weight is None else _written(plan.weight)
+    return {plan.sense: plan.expression.text, "goal": _written(plan.goal), "weight": weight}
+
+
+def _written(reading: Reading) -> float | str:
+    return reading.text if isinstance(reading, Expression) else reading
+
+
+def _folded(keys: Any) -> Any:
+    """A plugin's keys in one spelling: sorted, numbers as floats, quantities in SI, expressions tidy."""
+    if isinstance(keys, Mapping):
+        return {name: _folded(keys[name]) for name in sorted(keys)}
+    if isinstance(keys, list):
+        return [_folded(inner) for inner in keys]
+    if isinstance(keys, bool) or not isinstance(keys, int | float | str):
+        return keys
+    try:
+        return _written(read(keys, None))
+    except ValueError:
+        return keys

@@ -1,0 +1,110 @@
+"""Whether a spec's machine and measures can be built: at the start, or somewhere in the variables' box."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from orthospec.errors import PluginFault
+from orthospec.quantities import Expression, ExpressionError
+from orthospec.quantities.fields import is_quantity, read
+from orthospec.spec import later
+from orthospec.spec.blueprint import Blueprint, Refused, booleans_as_numbers
+from orthospec.spec.design import Variable
+from orthospec.spec.draft import Draft
+from orthospec.spec.plans import DemandPlan
+from orthospec.spec.wording import Problem
+
+Built = TypeVar("Built", bound=BaseModel)
+_CORNERS, _INSIDE = 64, 16
+_GOLDEN = 0.6180339887498949
+
+
+def build(draft: Draft, blueprint: Blueprint[Built], variables: Mapping[str, Variable]) -> Built | None:
+    """One instance at the first trial point that the class accepts; mistakes where it accepts none."""
+    refused = None
+    for values in _points(draft, variables):
+        try:
+            built = blueprint.build(values)
+        except Refused as refusal:
+            refused = refused or refusal
+            continue
+        for path in booleans_as_numbers(blueprint.keys, built.model_dump()):
+            draft.wrong((*blueprint.path, *path), "a number was expected, true or false given")
+        return built
+    for problem in refused.problems if refused else ():
+        _report(draft, blueprint, problem, variables)
+    return None
+
+
+def check_needs(draft: Draft, machine: Any, plan: DemandPlan) -> None:
+    """Name the machine's fields that a measure needs and the spec does not give."""
+    for need in sorted(plan.blueprint.made_of.needs):
+        try:
+            missing = machine.missing(need)
+        except Exception as error:
+            raise PluginFault(draft.keys.manipulator.use or "", f"missing({need!r}): {error}") from error
+        if missing:
+            what = need.replace("_", " ")
+            message = f"{plan.blueprint.use} needs the machine's {what}: give {', '.join(missing)}"
+            draft.wrong(plan.blueprint.path, message, at_key=True)
+
+
+def _points(draft: Draft, variables: Mapping[str, Variable]) -> Iterator[dict[str, float]]:
+    """The start, corners of the box, and points spread inside it."""
+    unknown = dict.fromkeys(draft.names - set(variables), 1.0)
+    yield unknown | {name: variable.start for name, variable in variables.items()}
+    if not variables:
+        return
+    corners = itertools.product(*((variable.min, variable.max) for variable in variables.values()))
+    for corner in itertools.islice(corners, _CORNERS):
+        yield unknown | dict(zip(variables, corner, strict=True))
+    for i in range(1, _INSIDE + 1):
+        yield unknown | {
+            name: variable.min + (variable.max - variable.min) * (i * _GOLDEN ** (k + 1) % 1)
+            for k, (name, variable) in enumerate(variables.items())
+        }
+
+
+def _report(
+    draft: Draft, blueprint: Blueprint[Any], problem: Problem, variables: Mapping[str, Variable]
+) -> None:
+    """A mistake, unless it may come from a variable that is itself wrong."""
+    names = _names_below(blueprint.keys, problem)
+    if names - set(variables) and not names - draft.names:
+        return
+    message = problem.message
+    if problem.kind == "extra_forbidden" and later.is_key_for_later(problem.path[-1]):
+        message = f"'{problem.path[-1]}' is {later.NOT_YET}"
+    elif names and not names - set(variables):
+        message += ", and so at every other design tried"
+    draft.wrong((*blueprint.path, *problem.path), message, at_key=problem.at_key)
+
+
+def _names_below(keys: Any, problem: Problem) -> frozenset[str]:
+    """The names in the expressions that a problem may come from."""
+    for step in problem.path:
+        try:
+            keys = keys[step]
+        except (KeyError, IndexError, TypeError):
+            return frozenset()
+    if problem.kind in ("missing", "extra_forbidden"):
+        return frozenset()
+    return frozenset(_names(keys))
+
+
+def _names(keys: Any) -> Iterator[str]:
+    if isinstance(keys, Mapping):
+        keys = list(keys.values())
+    if isinstance(keys, list):
+        for inner in keys:
+            yield from _names(inner)
+    elif isinstance(keys, str) and not is_quantity(keys):
+        try:
+            reading = read(keys, None)
+        except ExpressionError:
+            return
+        yield from reading.names if isinstance(reading, Expression) else ()
