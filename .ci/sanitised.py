@@ -1,0 +1,18 @@
+"""Runs the kernels' tests of a tree on its own sanitised extension: python sanitised.py TREE."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+tree = Path(sys.argv[1]).resolve()
+sys.path.insert(0, str(tree))
+
+from orthospec.kernels import _kernels  # noqa: E402
+
+binary = Path(_kernels.__file__).resolve()
+assert binary.is_relative_to(tree), f"{binary} is not of {tree}"
+assert b"__asan_report" in binary.read_bytes(), f"{binary} is not sanitised"
+print(f"testing {binary}", flush=True)
+tests = str(tree / "tests" / "test_kernels.py")
+sys.exit(pytest.main([tests, f"--rootdir={tree}", "-p", "no:cacheprovider"]))
