@@ -21,12 +21,20 @@ if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
 
 
+ILL_CONDITIONED = 1e-6
+"""Below this ratio of least to greatest eigenvalue of J⁻ᵀJ⁻¹ the slower SVD is asked: it does not square κ."""
+
+
 def transmission_factors(inverse_jacobian: Matrices) -> Array:
     """Singular values of J, ascending (n, m), from J⁻¹; inf at a parallel singularity, NaN from NaN."""
-    sigma = np.full(inverse_jacobian.shape[:2], np.nan)
-    known = np.isfinite(inverse_jacobian).all(axis=(1, 2))
-    with np.errstate(divide="ignore"):
-        sigma[known] = 1.0 / np.linalg.svd(inverse_jacobian[known], compute_uv=False)
+    from orthospec import kernels
+
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+        gram = np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian
+        squares = kernels.symmetric_eigenvalues(gram)
+        sigma = np.asarray(1.0 / np.sqrt(squares[:, ::-1]))
+        poor = (squares[:, 0] < ILL_CONDITIONED * squares[:, -1]) & np.isfinite(inverse_jacobian).all(axis=(1, 2))
+        sigma[poor] = 1.0 / np.linalg.svd(inverse_jacobian[poor], compute_uv=False)
     return sigma
 
 
@@ -34,7 +42,8 @@ def logarithmic_stretch(inverse_jacobian: Matrices) -> Matrices:
     """H = −½ ln(J⁻ᵀ J⁻¹) (n, m, m), symmetric."""
     eigenvalues, vectors = np.linalg.eigh(np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return (vectors * (-0.5 * np.log(eigenvalues))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+        stretch = (vectors * (-0.5 * np.log(eigenvalues))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+    return (stretch + np.swapaxes(stretch, 1, 2)) / 2
 
 
 def _stretch_form(manipulator: Manipulator, poses: Poses, holds: Any) -> ConvexForm:

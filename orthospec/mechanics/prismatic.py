@@ -23,9 +23,8 @@ from orthospec.arrays import np
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Joints, Matrices, Poses
 
-CLEARANCE = 1e-6
-"""Least distance from a singularity that counts as inside the reach: |s_i·e_i| / L_i, and the volume
-spanned by the unit legs. A serial singularity stands where the first is 0, a parallel one where the second is."""
+CLEARANCE = 1e-5
+"""Least distance from a serial singularity that counts as inside the reach: |s_i·e_i| / L_i."""
 
 
 class PrismaticLegs(NamedTuple):
@@ -71,14 +70,15 @@ def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
 
 
 def assembly_margin(machine: PrismaticLegs, poses: Poses, rho: Joints, sign: float) -> Array:
-    """(n,): volume of the unit legs, times the branches and ``sign``, less the clearance.
+    """(n,): volume of the unit legs, times the branches and ``sign``.
 
     It has the sign of ``sign`` det J⁻¹ and is 0 at a parallel singularity, where J⁻¹ loses rank though a
-    measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly.
+    measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly. A pose where two
+    singular values vanish at once only touches 0: it parts no assemblies and counts as inside.
     """
     s = legs(machine, poses, rho) / machine.lengths[:, None]
     volume = np.einsum("ni,ni->n", s[:, 0], np.cross(s[:, 1], s[:, 2]))
-    return sign * np.prod(machine.branches) * volume - CLEARANCE
+    return np.asarray(sign * np.prod(machine.branches) * volume)
 
 
 def _closing(machine: PrismaticLegs, d: Array, along: Array) -> Array:

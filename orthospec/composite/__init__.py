@@ -1,0 +1,1 @@
+"""Convex-composite optimisation, knowing nothing of machines: templates, subproblems, the trust region."""

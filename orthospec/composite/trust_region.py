@@ -1,0 +1,270 @@
+"""Convex-composite minimisation: a trust region over convex subproblems.
+
+    minimise  factor(x)    subject to    convex sets of smooth functions of x
+
+Merit is factor + penalty·violation, with the violation the worst over everything that must hold (for a
+cuboid: over all of its poses, not the critical points alone) and infinite where x cannot be evaluated. Each
+subproblem keeps the convex parts and an elastic slack, so it is always feasible. A vertex optimum is reached
+at first order; smooth trade-offs need curvature: a second-order correction where the actual reduction
+disappoints, and the positive part of the Lagrangian's Hessian (Fletcher, *Practical Methods of Optimization*,
+1987, ch. 14; Conn, Gould and Toint, *Trust-Region Methods*, 2000, ch. 15).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from orthospec.composite.differences import hessian, jacobian, positive_part
+from orthospec.composite.subproblem import Rows, Step, solve
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+
+FEASIBLE = 1e-9
+"""A violation up to this (relative) counts as none."""
+SETTLED = 1e-10
+"""The loop ends when a subproblem predicts less gain than this."""
+RADIUS = (0.2, 1.0, 1e-10)
+"""First, greatest and least trust radius, in scaled variables."""
+PENALTY = (10.0, 1e6)
+"""Least and greatest penalty; factors are scaled to be of order 1."""
+DAMPING = 1e-9
+"""A trace of curvature, so that a flat optimum has one answer."""
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What a point is worth; x may come back with its dependent variables (extremes) made exact."""
+
+    x: Array
+    factor: float
+    violation: float
+
+
+class Problem(Protocol):
+    """Scaled variables x in [lower, upper]; ``scale`` is the length over which functions of each one change."""
+
+    lower: Array
+    upper: Array
+    scale: Array
+    has_factor: bool
+    """Whether there is a factor to minimise; without one any feasible point is a solution."""
+
+    def assess(self, x: Array) -> Assessment:
+        """Judge x truly; new critical points join the problem. Violation inf where it cannot be evaluated."""
+
+    def rows(self, x: Array) -> Rows:
+        """The shape of the subproblem at x."""
+
+    def smooth(self, points: Array, rows: Rows) -> Array:
+        """w at each point (k, n) -> (k, t); NaN rows where a point cannot be evaluated."""
+
+
+class Ending(Enum):
+    """How the loop ended; each text says what to do about it."""
+
+    SOLVED = "solved"
+    INFEASIBLE = "no nearby point meets all bounds: loosen one that conflicts, or widen a variable"
+    STALLED = "no further progress: try another start"
+    EXHAUSTED = "the limit of subproblems is reached: raise it, or try another start"
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """One accepted or refused step, for the log."""
+
+    subproblems: int
+    factor: float
+    violation: float
+    radius: float
+    penalty: float
+    accepted: bool
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where the loop ended, with the last subproblem's rows and multipliers."""
+
+    x: Array
+    factor: float
+    violation: float
+    ending: Ending
+    subproblems: int
+    history: tuple[Iterate, ...]
+    rows: Rows | None
+    step: Step | None
+
+
+@dataclass
+class _State:
+    """What one pass of the loop hands to the next."""
+
+    here: Assessment
+    radius: float = RADIUS[0]
+    penalty: float = PENALTY[0]
+    weight: float = 1.0
+    """1 while the factor counts, 0 while only feasibility is sought."""
+    subproblems: int = 0
+    rows: Rows | None = None
+    step: Step | None = None
+    curvature: Array | None = None
+    history: list[Iterate] = field(default_factory=list)
+
+    def merit(self, assessment: Assessment) -> float:
+        if not np.isfinite(assessment.violation):
+            return np.inf
+        return self.weight * assessment.factor + self.penalty * max(assessment.violation, 0.0)
+
+
+def minimise(
+    problem: Problem,
+    start: Array,
+    *,
+    most: int = 200,
+    radius: float = RADIUS[0],
+    on_iterate: Callable[[Assessment, Iterate], None] | None = None,
+) -> Solution:
+    """Minimise the factor from ``start``, with at most ``most`` subproblems.
+
+    ``on_iterate`` is called after each step with the current point, so that a caller stopped by Ctrl-C has it.
+    """
+    state = _State(problem.assess(np.asarray(start, dtype=float)), radius=radius)
+    state.weight = float(problem.has_factor)
+    if not np.isfinite(state.here.violation):
+        return _solution(state, Ending.STALLED)
+    while state.subproblems < most:
+        ending = _pass(problem, state)
+        if state.history and on_iterate:
+            on_iterate(state.here, state.history[-1])
+        if ending is not None:
+            return _solution(state, ending)
+    return _solution(state, Ending.EXHAUSTED)
+
+
+def _solution(state: _State, ending: Ending) -> Solution:
+    here = state.here
+    history = tuple(state.history)
+    return Solution(
+        here.x, here.factor, here.violation, ending, state.subproblems, history, state.rows, state.step
+    )
+
+
+def _pass(problem: Problem, state: _State) -> Ending | None:
+    """One step of the loop; an Ending when it is the last."""
+    x = state.here.x
+    rows = problem.rows(x)
+
+    def smooth(points: Array) -> Array:
+        return problem.smooth(points, rows)
+
+    w, slopes = jacobian(smooth, x, problem.scale, problem.lower, problem.upper)
+    if not np.isfinite(slopes).all():
+        return Ending.STALLED
+    damped = DAMPING * np.eye(len(x))
+    curvature = damped if state.curvature is None else state.curvature + damped
+
+    def subproblem(constant: Array) -> Step | None:
+        state.subproblems += 1
+        lower = np.maximum(problem.lower - x, -state.radius)
+        upper = np.minimum(problem.upper - x, state.radius)
+        return solve(rows, constant, slopes, curvature, lower, upper, state.penalty, state.weight)
+
+    step = subproblem(w)
+    if step is None:
+        return _shrink(state, state.radius)
+    state.rows, state.step = rows, step
+    predicted = state.merit(state.here) - _model(state, step, curvature)
+    if predicted <= SETTLED * max(1.0, abs(state.here.factor)):
+        return _settle(problem, state)
+    trial, best = problem.assess(_within(problem, x + step.delta)), step
+    if _ratio(state, trial, predicted) < 0.75:
+        moved = smooth(trial.x[None])[0] if np.isfinite(trial.violation) else np.full(len(w), np.nan)
+        corrected = subproblem(moved - slopes @ (trial.x - x)) if np.isfinite(moved).all() else None
+        if corrected is not None:
+            second = problem.assess(_within(problem, x + corrected.delta))
+            if state.merit(second) < state.merit(trial):
+                trial, best = second, corrected
+    return _judge(problem, state, trial, best, predicted, smooth)
+
+
+def _within(problem: Problem, x: Array) -> Array:
+    return np.clip(x, problem.lower, problem.upper)
+
+
+def _model(state: _State, step: Step, curvature: Array) -> float:
+    factor = state.weight * step.factor if state.weight else 0.0
+    return factor + state.penalty * max(step.slack, 0.0) + 0.5 * float(step.delta @ curvature @ step.delta)
+
+
+def _ratio(state: _State, trial: Assessment, predicted: float) -> float:
+    return (state.merit(state.here) - state.merit(trial)) / predicted
+
+
+def _judge(
+    problem: Problem,
+    state: _State,
+    trial: Assessment,
+    step: Step,
+    predicted: float,
+    smooth: Callable[[Array], Array],
+) -> Ending | None:
+    """Accept or refuse a trial point; adapt radius, penalty and curvature."""
+    ratio = _ratio(state, trial, predicted)
+    length = float(np.max(np.abs(step.delta)))
+    accepted = ratio > 1e-4
+    violation = state.here.violation
+    if accepted:
+        state.here = trial
+        state.curvature = positive_part(
+            hessian(smooth, step.multipliers, trial.x, problem.scale, problem.lower, problem.upper)
+        )
+    state.history.append(
+        Iterate(
+            state.subproblems,
+            state.here.factor,
+            state.here.violation,
+            state.radius,
+            state.penalty,
+            accepted,
+        )
+    )
+    if ratio > 0.75 and length > 0.9 * state.radius:
+        state.radius = min(2.5 * state.radius, RADIUS[1])
+    elif ratio < 0.25 and _shrink(state, min(length, state.radius)):
+        return Ending.STALLED if state.here.violation <= FEASIBLE else _settle(problem, state)
+    if not state.weight and state.here.violation <= FEASIBLE:
+        return _settle(problem, state)
+    _adapt_penalty(state, step, violation)
+    return None
+
+
+def _shrink(state: _State, length: float) -> Ending | None:
+    state.radius = 0.4 * length
+    return Ending.STALLED if state.radius < RADIUS[2] else None
+
+
+def _adapt_penalty(state: _State, step: Step, violation: float) -> None:
+    """A little above the pressure on the slack: too small is silently infeasible, too large stalls."""
+    if not state.weight:
+        return
+    if step.slack > FEASIBLE and step.slack > 0.5 * violation:
+        state.penalty = min(10 * state.penalty, PENALTY[1])
+    elif step.slack <= FEASIBLE:
+        state.penalty = max(min(state.penalty, 10 * step.pressure), 2 * step.pressure, PENALTY[0])
+
+
+def _settle(problem: Problem, state: _State) -> Ending | None:
+    """Nothing more to gain: done; or seek feasibility alone; or, feasible again, return to the factor."""
+    feasible = state.here.violation <= FEASIBLE
+    if feasible and (state.weight or not problem.has_factor):
+        return Ending.SOLVED
+    if not feasible and not state.weight:
+        return Ending.INFEASIBLE
+    state.weight, state.penalty = (1.0, PENALTY[1]) if feasible else (0.0, 1.0)
+    state.radius, state.curvature = RADIUS[0], None
+    return None

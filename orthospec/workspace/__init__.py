@@ -1,0 +1,1 @@
+"""From a design to its cuboids: grid, field, largest cuboid, critical points, polish, evaluation."""

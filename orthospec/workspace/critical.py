@@ -1,0 +1,164 @@
+"""Critical points: where, over a whole cuboid, functions of the pose are greatest.
+
+The paper (section 2) gives up critical points because they were derived by hand, machine by machine. Here
+they are found: a lattice over the cuboid, faces and inside included, gives the local maximisers of each
+function; those near the greatest are refined by a compass search and Newton steps on the free coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+
+Functions = Callable[["Array"], "Array"]
+"""Maps points u (n, d) in [−1/2, 1/2]^d to function values (k, n)."""
+
+NODES = 9
+"""Nodes of the lattice along each axis."""
+NEAR = 0.1
+"""A local maximiser this near the greatest value (as a part of the function's range, or of 1) is critical too."""
+MOST = 27
+"""Most critical points kept of one function."""
+COMPASS = 3
+"""Rounds of compass search, each halving its step."""
+NEWTON = (2e-3, 2e-4)
+"""Steps of the differences of the Newton rounds."""
+
+
+class Peaks(NamedTuple):
+    """Critical points of k functions: point u[j] belongs to function of[j], with that value."""
+
+    u: Array
+    of: Array
+    value: Array
+
+    def greatest(self, count: int) -> Array:
+        """The greatest value of each of ``count`` functions; −inf where one has no point."""
+        best = np.full(count, -np.inf)
+        np.maximum.at(best, self.of, self.value)
+        return best
+
+
+def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: int = NODES) -> Peaks:
+    """The near-greatest local maximisers of each function over [−1/2, 1/2]^d.
+
+    ``known`` (n, d) are further points to start from, the critical points of before.
+    """
+    axis = np.linspace(-0.5, 0.5, nodes)
+    lattice = np.array(list(product(axis, repeat=d)))
+    values = functions(lattice)
+    u, of = [], []
+    for k, row in enumerate(values):
+        chosen = _local_maxima(row.reshape((nodes,) * d))
+        chosen = _apart(lattice, row, chosen[row[chosen] >= _threshold(row)])
+        u.append(lattice[chosen])
+        of.append(np.full(len(chosen), k))
+    if known is not None and len(known):
+        for k, row in enumerate(functions(known)):
+            near = np.flatnonzero(row >= _threshold(values[k]))[:MOST]
+            u.append(known[near])
+            of.append(np.full(len(near), k))
+    points, owner = np.concatenate(u), np.concatenate(of)
+    return _refine(functions, points, owner, 0.5 / (nodes - 1))
+
+
+def _threshold(row: Array) -> float:
+    greatest = float(row.max())
+    return greatest - NEAR * min(1.0, greatest - float(row.min())) if np.isfinite(greatest) else greatest
+
+
+def _local_maxima(values: Array) -> Array:
+    """Flat indices of the nodes that none of their neighbours exceeds."""
+    around = values
+    for axis in range(values.ndim):
+        padded = np.pad(around, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], constant_values=-np.inf)
+        n = values.shape[axis]
+        parts = [np.take(padded, range(s, s + n), axis=axis) for s in range(3)]
+        around = np.maximum.reduce(parts)
+    return np.flatnonzero(values >= around)
+
+
+def _apart(lattice: Array, row: Array, chosen: Array) -> Array:
+    """The greatest of the chosen nodes; on a plateau only nodes half a cuboid apart."""
+    kept: list[int] = []
+    for node in chosen[np.argsort(-row[chosen], kind="stable")]:
+        level = [k for k in kept if row[k] <= row[node] + 1e-9]
+        if not level or np.abs(lattice[level] - lattice[node]).max(axis=1).min() >= 0.5:
+            kept.append(int(node))
+    return np.array(kept[:MOST], dtype=int)
+
+
+def _own(functions: Functions, points: Array, of: Array) -> Array:
+    """The value of each point's own function."""
+    return functions(points)[of, np.arange(len(points))]
+
+
+def _refine(functions: Functions, u: Array, of: Array, step: float) -> Peaks:
+    value = _own(functions, u, of)
+    d = u.shape[1]
+    star = np.array([s for s in product((-1.0, 0.0, 1.0), repeat=d) if any(s)])
+    for _ in range(COMPASS):
+        tries = np.clip(u[:, None, :] + step * star, -0.5, 0.5)
+        found = _own(functions, tries.reshape(-1, d), np.repeat(of, len(star))).reshape(len(u), len(star))
+        best = found.argmax(axis=1)
+        here = np.arange(len(u))
+        better = found[here, best] > value
+        u = np.where(better[:, None], tries[here, best], u)
+        value = np.where(better, found[here, best], value)
+        step /= 2
+    for h in NEWTON:
+        u, value = _newton(functions, u, of, value, h, 2 * step)
+        step = min(step, 50 * h)
+    return Peaks(u, of, value)
+
+
+def _newton(
+    functions: Functions, u: Array, of: Array, value: Array, h: float, reach: float
+) -> tuple[Array, Array]:
+    """One Newton step on the coordinates that no face holds; kept where it rises."""
+    d = u.shape[1]
+    # Differences are taken around a centre that keeps a step's distance from the faces.
+    centre = np.clip(u, -0.5 + h, 0.5 - h)
+    offsets = [np.zeros(d), *(h * np.eye(d)), *(-h * np.eye(d))]
+    pairs = [(i, j) for i in range(d) for j in range(i)]
+    offsets += [s * h * (np.eye(d)[i] + np.eye(d)[j]) for i, j in pairs for s in (1, -1)]
+    tries = (centre[:, None, :] + np.array(offsets)).reshape(-1, d)
+    f = _own(functions, tries, np.repeat(of, len(offsets))).reshape(len(u), len(offsets))
+    plus, minus, f0 = f[:, 1 : d + 1], f[:, d + 1 : 2 * d + 1], f[:, :1]
+    usable = np.isfinite(f).all(axis=1)
+    plus, minus, f0 = (np.where(usable[:, None], part, 0.0) for part in (plus, minus, f0))
+    slope = (plus - minus) / (2 * h)
+    bend = np.zeros((len(u), d, d))
+    bend[:, range(d), range(d)] = (plus - 2 * f0 + minus) / h**2
+    for k, (i, j) in enumerate(pairs):
+        both = np.where(usable, f[:, 2 * d + 1 + 2 * k] + f[:, 2 * d + 2 + 2 * k], 0.0)
+        cross = both - plus[:, i] - minus[:, i] - plus[:, j] - minus[:, j] + 2 * f0[:, 0]
+        bend[:, i, j] = bend[:, j, i] = cross / (2 * h**2)
+    held = ((u >= 0.5) & (slope > 0)) | ((u <= -0.5) & (slope < 0))
+    usable &= ~held.all(axis=1)
+    if not usable.any():
+        return u, value
+    move = np.where(held, np.clip(u, -0.5, 0.5) - centre, 0.0)
+    move[usable] = _ascent(slope[usable], bend[usable], held[usable], move[usable], reach)
+    trial = np.clip(centre + move, -0.5, 0.5)
+    rising = np.where(usable, _own(functions, trial, of), -np.inf)
+    better = rising > value
+    return np.where(better[:, None], trial, u), np.where(better, rising, value)
+
+
+def _ascent(slope: Array, bend: Array, held: Array, fixed: Array, reach: float) -> Array:
+    """Newton's step on the free coordinates of each point, the held ones moved as given."""
+    moves = fixed.copy()
+    for k in range(len(slope)):
+        free = ~held[k]
+        gradient = slope[k][free] + bend[k][np.ix_(free, ~free)] @ fixed[k][~free]
+        eigenvalues, vectors = np.linalg.eigh(bend[k][np.ix_(free, free)])
+        down = -np.maximum(np.abs(eigenvalues), 1e-9)
+        moves[k][free] = np.clip(-(vectors / down) @ (vectors.T @ gradient), -reach, reach)
+    return moves

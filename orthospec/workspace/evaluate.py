@@ -1,0 +1,267 @@
+"""One design, measured: its cuboids on the grid and polished, and its extremes over the prescribed cuboid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.composite.trust_region import FEASIBLE
+from orthospec.manipulators import Manipulator
+from orthospec.measures import Demand, Level
+from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
+from orthospec.workspace.critical import find_peaks
+from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
+from orthospec.workspace.field import Failure, Progress, State, measured, node_states, together
+from orthospec.workspace.fit import Machine
+from orthospec.workspace.grid import Grid, make_grid
+from orthospec.workspace.polish import polish
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Array
+
+FINE = 17
+"""Lattice nodes along each axis when a final answer is given."""
+STARTS = 6
+"""Most clusters of grid cuboids that are polished."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The spec's workspace: the prescribed size, the grid, where to look."""
+
+    size: Array
+    divisions: int
+    region: Cuboid | None = None
+    together: bool = True
+    poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Largest:
+    """The largest cuboid of the prescribed proportions under some demands."""
+
+    scale: float
+    """Polished μ; 0 where there is none."""
+    grid_scale: float
+    """The paper's metric, on the grid alone."""
+    ties: int
+    cuboid: Cuboid | None
+    nodes: Mapping[str, int]
+    """How many nodes meet, violate, are unreachable, failed."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """A measure's value at a pose."""
+
+    value: float
+    at: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """The prescribed cuboid where it stands, and whether everything holds in it."""
+
+    cuboid: Cuboid
+    holds: bool
+    violation: float
+    reached: bool
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One measure: its own largest cuboid, its extremes over the prescribed one, its levels and poses."""
+
+    largest: Largest | None
+    """None for a measure without bounds."""
+    lowest: Value | None
+    highest: Value | None
+    levels: tuple[tuple[Level, Largest], ...]
+    poses: Mapping[str, tuple[float, ...] | None]
+    prescribed: Prescribed | None
+    """Its own prescribed cuboid, where each measure has one."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What is known of one design."""
+
+    prescribed: Prescribed | None
+    joint: Largest | None
+    measures: Mapping[str, Measured]
+    joints: Array | None
+    """Range of each joint over the prescribed cuboid (m, 2); None where it leaves the reach."""
+    indices: Mapping[str, float]
+    failures: tuple[Failure, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every bound and the reach hold in the prescribed cuboid, or in each measure's own."""
+        places = [self.prescribed, *(m.prescribed for m in self.measures.values() if m.largest is not None)]
+        known = [place for place in places if place is not None]
+        wanted = 1 if self.joint is not None else sum(m.largest is not None for m in self.measures.values())
+        return len(known) >= wanted and all(place.holds for place in known)
+
+
+def evaluate(
+    machine: Machine,
+    setting: Setting,
+    prescribed: Mapping[str, Cuboid] | None = None,
+    progress: Progress | None = None,
+) -> Evaluation:
+    """Measure one design.
+
+    ``prescribed`` gives the places of the prescribed cuboids, by measure, and "" for the joint one; where it
+    is left out each stands centred on its largest cuboid.
+    """
+    demands = list(machine.demands.values())
+    bounded = [demand for demand in demands if demand.bounds]
+    levels = [(demand, level) for demand in demands for level in demand.levels]
+    grid = make_grid(machine.manipulator, setting.size, setting.divisions, setting.region)
+    asked = [*bounded, *(demand.at(level) for demand, level in levels)]
+    states, failures = node_states(machine.manipulator, asked, grid, progress)
+    look = _Search(machine, setting, grid)
+    own = {d.name: look.largest([d], state) for d, state in zip(bounded, states, strict=False)}
+    nested = [
+        (demand.name, level, look.largest([demand.at(level)], state))
+        for (demand, level), state in zip(levels, states[len(bounded) :], strict=False)
+    ]
+    joint = None
+    if setting.together or not bounded:
+        everything = together(states[: max(len(bounded), 1)])
+        joint = next(iter(own.values())) if len(bounded) == 1 else look.largest(bounded, everything)
+    places = _places(setting, joint, own, prescribed)
+    standing = {name: _stand(machine, place, bounded, name) for name, place in places.items()}
+    records = {
+        demand.name: Measured(
+            own.get(demand.name),
+            *_extremes(machine, demand, standing.get("" if joint else demand.name)),
+            tuple((level, found) for name, level, found in nested if name == demand.name),
+            _at_poses(machine, demand, setting.poses),
+            None if joint else standing.get(demand.name),
+        )
+        for demand in demands
+    }
+    joints = _joint_ranges(machine.manipulator, list(standing.values()))
+    ranges = joints if joints is not None else np.full((len(machine.manipulator.joint_units), 2), np.nan)
+    indices = dict(machine.manipulator.indices(ranges))
+    return Evaluation(standing.get(""), joint, records, joints, indices, tuple(failures))
+
+
+@dataclass(frozen=True)
+class _Search:
+    machine: Machine
+    setting: Setting
+    grid: Grid
+
+    def largest(self, demands: Sequence[Demand], states: NDArray[np.uint8]) -> Largest:
+        """The largest cuboid of one mask, polished from each cluster of the grid's best placements."""
+        edges = edge_lengths(states == State.MEETS)
+        best = largest(edges)
+        counts = np.bincount(states.ravel(), minlength=len(State))
+        nodes = {state.name.lower(): int(counts[state]) for state in (State.MEETS, State.VIOLATES)}
+        nodes |= {state.name.lower(): int(counts[state]) for state in (State.UNREACHABLE, State.FAILED)}
+        if best is None:
+            return Largest(0.0, 0.0, 0, None, nodes)
+        starts = [self.grid.cuboid(placement) for placement in [best, *clusters(edges)[1:STARTS]]]
+        machine = Machine(self.machine.manipulator, {demand.name: demand for demand in demands})
+        found = polish(machine, list(machine.demands), self.setting.size, starts, self.setting.region)
+        grid_scale = best.steps / self.setting.divisions
+        if found is None:
+            return Largest(0.0, grid_scale, best.ties, None, nodes)
+        return Largest(found.scale, grid_scale, best.ties, found.cuboid, nodes)
+
+
+def _places(
+    setting: Setting,
+    joint: Largest | None,
+    own: Mapping[str, Largest],
+    prescribed: Mapping[str, Cuboid] | None,
+) -> Mapping[str, Cuboid]:
+    if prescribed is not None:
+        return prescribed
+    found = {"": joint} if joint is not None else own
+    return {
+        name: Cuboid.around(record.cuboid.centre, setting.size)
+        for name, record in found.items()
+        if record.cuboid is not None
+    }
+
+
+def _stand(machine: Machine, place: Cuboid, bounded: Sequence[Demand], name: str) -> Prescribed:
+    """Judge a prescribed cuboid: for the joint one ("") by all demands, for a measure's own by its bounds."""
+    demands = [demand for demand in bounded if name in ("", demand.name)]
+    greatest = _greatest(machine, place, conditions_of(machine.manipulator, demands, _probe(machine, place)), [])
+    reach = sum(isinstance(c, Condition) and c.kind == "joint" for c in greatest)
+    values = np.array([value for value, _ in greatest.values()])
+    violation = float(values.max(initial=0.0))
+    return Prescribed(place, violation <= FEASIBLE, violation, bool(values[:reach].max(initial=0.0) <= FEASIBLE))
+
+
+def _probe(machine: Machine, place: Cuboid) -> Array:
+    return place.poses(np.zeros((1, len(place.low))), len(machine.manipulator.axes))
+
+
+def _greatest(
+    machine: Machine, place: Cuboid, conditions: Sequence[Condition], extremes: Sequence[Extreme]
+) -> dict[Condition | Extreme, tuple[float, tuple[float, ...]]]:
+    """Each condition's worst excess and each extreme's signed value over a cuboid, with its pose."""
+    axes = len(machine.manipulator.axes)
+
+    def functions(u: Array) -> Array:
+        sample = Sample(machine.manipulator, machine.demands, place.poses(u, axes))
+        return sample.rows(conditions, extremes, {})
+
+    terms: list[Condition | Extreme] = [*conditions, *extremes]
+    if not terms:
+        return {}
+    peaks = find_peaks(functions, len(place.low), nodes=FINE)
+    found = {}
+    for k, term in enumerate(terms):
+        mine = np.flatnonzero(peaks.of == k)
+        best = mine[int(peaks.value[mine].argmax())]
+        pose = place.poses(peaks.u[best : best + 1], axes)[0]
+        found[term] = (float(peaks.value[best]), tuple(map(float, pose)))
+    return found
+
+
+def _extremes(
+    machine: Machine, demand: Demand, place: Prescribed | None
+) -> tuple[Value | None, Value | None]:
+    if place is None or not place.reached:
+        return None, None
+    asked = [Extreme("lowest", demand.name), Extreme("highest", demand.name)]
+    found = _greatest(machine, place.cuboid, [], asked)
+    lowest, highest = (Value(extreme.sign * found[extreme][0], found[extreme][1]) for extreme in asked)
+    return lowest, highest
+
+
+def _joint_ranges(manipulator: Manipulator, places: Sequence[Prescribed]) -> Array | None:
+    """Least and greatest value of each joint over the prescribed cuboids (m, 2)."""
+    if not places or not all(place.reached for place in places):
+        return None
+    count = len(manipulator.joint_units)
+    asked = [Extreme(kind, joint) for joint in range(count) for kind in ("lowest", "highest")]
+    every = [_greatest(Machine(manipulator, {}), place.cuboid, [], asked) for place in places]
+    ends = [extreme.sign * max(found[extreme][0] for found in every) for extreme in asked]
+    return np.array(ends).reshape(count, 2)
+
+
+def _at_poses(
+    machine: Machine, demand: Demand, poses: Mapping[str, tuple[float, ...]]
+) -> Mapping[str, tuple[float, ...] | None]:
+    """The measure at each named pose; None where the pose is not reachable or the measure failed."""
+    if not poses:
+        return {}
+    block = np.array(list(poses.values()), dtype=float)
+    reachable = machine.manipulator.inverse_kinematics(block)[1]
+    found: dict[str, tuple[float, ...] | None] = dict.fromkeys(poses)
+    values = measured(demand, machine.manipulator, block[reachable])
+    for name, value in zip(np.array(list(poses))[reachable], values, strict=True):
+        found[str(name)] = tuple(map(float, np.atleast_1d(value))) if not np.isnan(value).any() else None
+    return found

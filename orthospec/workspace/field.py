@@ -1,0 +1,113 @@
+"""Measures over blocks of poses, and the states of the grid's nodes.
+
+A measure is handed reachable poses only, in whole blocks. A node *meets* or *violates* the bounds, is
+*unreachable*, or *failed*: the measure gave NaN though the pose is reachable. Only the first counts for a
+cuboid, and a failed node is never silent: one at the isotropic pose shrinks the cuboid by a tenth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.errors import OrthospecError, PluginFault
+from orthospec.manipulators import Manipulator
+from orthospec.measures import Demand
+from orthospec.workspace.grid import Grid
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Array, Poses
+
+BLOCK = 1 << 16
+"""Poses to a block: bounded memory whatever the grid."""
+
+Progress = Callable[[str, int, int], None]
+"""Told what is being done, how much is done, and of how much."""
+
+
+class State(IntEnum):
+    """State of a node."""
+
+    UNREACHABLE = 0
+    MEETS = 1
+    VIOLATES = 2
+    FAILED = 3
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A measure's first failed pose."""
+
+    measure: str
+    pose: tuple[float, ...]
+    place: str | None
+
+
+def measured(demand: Demand, manipulator: Manipulator, poses: Poses) -> Array:
+    """The demand's measure at the poses: (n,) or (n, 2).
+
+    Raises PluginFault where the measure raises, or gives another shape or type.
+    """
+    try:
+        values = demand.measure.values(manipulator, poses)
+    except OrthospecError:
+        raise
+    except Exception as error:
+        raise PluginFault(_title(demand), f"raised {type(error).__name__}: {error}", demand.place) from error
+    if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
+        raise PluginFault(_title(demand), f"gave {type(values).__name__}, not an array of floats", demand.place)
+    n = len(poses)
+    if values.shape not in {(n,), (n, 2)}:
+        raise PluginFault(_title(demand), f"gave shape {values.shape} for {n} poses, not (n,) or (n, 2)", demand.place)
+    return values
+
+
+def _title(demand: Demand) -> str:
+    return f"{type(demand.measure).__name__} (measure {demand.name})"
+
+
+def node_states(
+    manipulator: Manipulator,
+    demands: Sequence[Demand],
+    grid: Grid,
+    progress: Progress | None = None,
+) -> tuple[list[NDArray[np.uint8]], list[Failure]]:
+    """The state of each node under each demand alone, shaped as the grid; and the first failure of each.
+
+    Without demands the one array tells the reach alone (eq. 3 of the paper). Demands that share a measure
+    (levels) share its values.
+    """
+    states = [np.zeros(grid.nodes, dtype=np.uint8) for _ in demands or (None,)]
+    failures: dict[str, Failure] = {}
+    for start in range(0, grid.nodes, BLOCK):
+        poses = grid.poses(start, start + BLOCK)
+        reachable = manipulator.inverse_kinematics(poses)[1]
+        inside = poses[reachable]
+        inside.flags.writeable = False
+        values: dict[int, Array] = {}
+        for k, demand in enumerate(demands):
+            if id(demand.measure) not in values:
+                values[id(demand.measure)] = measured(demand, manipulator, inside)
+            found = values[id(demand.measure)]
+            failed = np.isnan(found).any(axis=tuple(range(1, found.ndim)))
+            met = np.where(demand.meets(found), State.MEETS, State.VIOLATES)
+            states[k][start : start + len(poses)][reachable] = np.where(failed, State.FAILED, met)
+            if failed.any() and demand.name not in failures:
+                pose = tuple(map(float, inside[int(np.argmax(failed))]))
+                failures[demand.name] = Failure(demand.name, pose, demand.place)
+        if not demands:
+            states[0][start : start + len(poses)][reachable] = State.MEETS
+        if progress is not None:
+            progress("grid", min(start + BLOCK, grid.nodes), grid.nodes)
+    return [state.reshape(grid.shape) for state in states], list(failures.values())
+
+
+def together(states: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """The state under all demands: unreachable, failed where one failed, violates where one violates."""
+    return np.asarray(np.maximum.reduce(list(states)))

@@ -1,0 +1,350 @@
+"""Fitting cuboids into a design, and a design around cuboids: the problem that polish and goals share.
+
+Variables are the design's (none for polish), each cuboid's centre, where asked the scale μ, and the extremes
+that goals are about. Each condition must hold at every critical point p = centre + μ·size∘u of its cuboid;
+the points are found anew, over the whole cuboid, at every trial and join.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from orthospec.composite.subproblem import Block, HalfLines, Rows, Step
+from orthospec.composite.template import Template, compile_form
+from orthospec.composite.trust_region import Assessment
+from orthospec.errors import PluginFault, UnbuildableDesign
+from orthospec.manipulators import Manipulator
+from orthospec.measures import ConvexForm, Demand
+from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
+from orthospec.workspace.critical import find_peaks
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.layout import Layout, Limits, Point
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Poses
+
+SLOTS = 24
+"""Most critical points kept of one cuboid."""
+RELEVANT = 0.5
+"""A condition enters the subproblem at its worst point, and where its excess is above minus this."""
+SAME = 1e-3
+"""Critical points nearer than this (as a part of the cuboid) are one, the newest."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A design as the workspace sees it: a manipulator and what is demanded of it, by name."""
+
+    manipulator: Manipulator
+    demands: Mapping[str, Demand]
+
+
+class Objective(Protocol):
+    """Rows g <= on_factor·factor + on_slack·slack, g smooth in the design, μ and the extremes."""
+
+    @property
+    def extremes(self) -> tuple[Extreme, ...]:
+        """The extremes that the rows depend on."""
+
+    @property
+    def reversed(self) -> frozenset[Extreme]:
+        """Those of them that some row wants worse: they must not exceed what the cuboid really has."""
+
+    @property
+    def on_factor(self) -> Array:
+        """(r,), 0 for a hard row."""
+
+    @property
+    def on_slack(self) -> Array:
+        """(r,), 0 for a soft row."""
+
+    def rows(self, machine: Machine, point: Point) -> Array:
+        """g (r,)."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Demands that share one cuboid (all of them, or one each), and the centre it starts from."""
+
+    names: tuple[str, ...]
+    centre: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class _Chosen:
+    """One term at some of its group's slots: as numbers, or as a convex form; ``sign`` −1 reverses it."""
+
+    group: int
+    term: Condition | Extreme
+    at: Array
+    form: Template | None = None
+    sign: float = 1.0
+
+
+@dataclass(frozen=True)
+class _Selection:
+    """What w is made of: the terms as numbers, those as convex forms, and the slots that both refer to."""
+
+    numbers: tuple[_Chosen, ...]
+    forms: tuple[_Chosen, ...]
+    slots: tuple[Array, ...]
+
+
+class FitProblem:
+    """`Problem` of the trust region. ``build`` maps a scaled design to its `Machine`, or raises
+    UnbuildableDesign; ``relaxed`` loosens conditions by so much, which is how a price is found.
+    """
+
+    def __init__(
+        self,
+        build: Callable[[Array], Machine],
+        size: Array,
+        groups: Sequence[Group],
+        objective: Objective,
+        limits: Limits,
+        start: tuple[Array, float],
+        relaxed: Mapping[Condition, float] | None = None,
+    ) -> None:
+        self._build, self._groups, self._objective = build, groups, objective
+        self._size, self._relaxed = size, dict(relaxed or {})
+        self._built: tuple[bytes, Machine] | None = None
+        self._templates: dict[tuple[str, str], Template] = {}
+        centres = np.array([group.centre for group in groups])
+        self.layout = Layout(size, centres, limits, objective.extremes)
+        machine = self.machine(start[0])
+        probe = np.zeros((1, len(machine.manipulator.axes)))
+        self._conditions = [
+            conditions_of(machine.manipulator, [machine.demands[name] for name in group.names], probe)
+            for group in groups
+        ]
+        self.slots = [np.array(list(product((-0.5, 0.0, 0.5), repeat=len(size)))) for _ in groups]
+        first = self._survey(machine, Point(start[0], centres, start[1], np.zeros(0)))[1]
+        self.layout = self.layout.with_reference(np.where(np.isfinite(first), first, 1.0))
+        self.start = self.layout.pack(Point(start[0], centres, start[1], np.array(self.layout.reference)))
+        self.lower, self.upper = self.layout.box()
+        self.scale = np.ones(len(self.lower))
+        self.has_factor = bool((objective.on_factor > 0).any())
+
+    def cuboids(self, x: Array) -> list[Cuboid]:
+        """The cuboid of each group at x."""
+        point = self.layout.unpack(x)
+        return [Cuboid.around(centre, point.scale * self._size) for centre in point.centres]
+
+    def machine(self, design: Array) -> Machine:
+        """The machine of a scaled design; the last one is remembered."""
+        key = design.tobytes()
+        if self._built is None or self._built[0] != key:
+            self._built = (key, self._build(design))
+        return self._built[1]
+
+    def assess(self, x: Array) -> Assessment:
+        """Judge x over the whole of its cuboids; the critical points found join."""
+        hopeless = Assessment(x, np.inf, np.inf)
+        point = self.layout.unpack(x)
+        try:
+            machine = self.machine(point.design)
+        except UnbuildableDesign:
+            return hopeless
+        violation, extremes = self._survey(machine, point)
+        point = point._replace(extremes=extremes)
+        if not np.isfinite([violation, *extremes]).all():
+            return hopeless
+        g, soft = self._objective.rows(machine, point), self._objective.on_factor
+        hard = self._objective.on_slack
+        factor = float(np.max(g[soft > 0] / soft[soft > 0])) if self.has_factor else 0.0
+        rows = [0.0, violation, *(g[hard > 0] / hard[hard > 0]), *self.layout.limits.rows(self._size, point)]
+        if not np.isfinite([factor, *rows]).all():
+            return hopeless
+        return Assessment(self.layout.pack(point), factor, max(rows))
+
+    def _survey(self, machine: Machine, point: Point) -> tuple[float, Array]:
+        """The worst excess over all cuboids, and the extremes; near-worst points join the slots."""
+        worst, extremes = -np.inf, np.full(len(self._objective.extremes), -np.inf)
+        for g, conditions in enumerate(self._conditions):
+            mine = self._extremes_of(g)
+            sample_rows = self._functions(machine, point, g)
+            peaks = find_peaks(sample_rows, len(self._size), self.slots[g])
+            greatest = peaks.greatest(len(conditions) + len(mine))
+            worst = max(worst, float(greatest[: len(conditions)].max(initial=-np.inf)))
+            extremes[mine] = np.maximum(extremes[mine], greatest[len(conditions) :])
+            for u in peaks.u[np.isfinite(peaks.value)]:
+                apart = np.abs(self.slots[g] - u).max(axis=1) > SAME
+                self.slots[g] = np.vstack([self.slots[g][apart], u])
+        return worst, np.array([e.sign for e in self._objective.extremes]) * extremes
+
+    def _functions(self, machine: Machine, point: Point, g: int) -> Callable[[Array], Array]:
+        """Rows of group g, conditions then extremes, as functions of u."""
+
+        def functions(u: Array) -> Array:
+            sample = Sample(machine.manipulator, machine.demands, self._poses(machine, [point], g, u))
+            return sample.rows(self._conditions[g], self._asked(g), self._relaxed)
+
+        return functions
+
+    def _extremes_of(self, g: int) -> list[int]:
+        """Numbers of the extremes that group g decides: those of its measures, and of all joints."""
+        names = self._groups[g].names
+        return [k for k, e in enumerate(self._objective.extremes) if isinstance(e.of, int) or e.of in names]
+
+    def _asked(self, g: int) -> list[Extreme]:
+        return [self._objective.extremes[k] for k in self._extremes_of(g)]
+
+    def _poses(self, machine: Machine, points: Sequence[Point], g: int, u: Array) -> Poses:
+        """Poses (v·s, d) at u (s, d) of group g's cuboid at each of v points, read-only."""
+        centres = np.array([point.centres[g] for point in points])
+        scales = np.array([point.scale for point in points])
+        spread = centres[:, None, :] + scales[:, None, None] * self._size * u
+        poses = np.zeros((len(points) * len(u), len(machine.manipulator.axes)))
+        poses[:, : u.shape[1]] = spread.reshape(-1, u.shape[1])
+        poses.flags.writeable = False
+        return poses
+
+    def rows(self, x: Array) -> Rows:
+        """Which terms enter at which slots: numbers, placement and objective as half-lines, then forms."""
+        point = self.layout.unpack(x)
+        machine = self.machine(point.design)
+        chosen = [part for g in range(len(self._groups)) for part in self._choose(machine, point, g)]
+        numbers = tuple(part for part in chosen if part.form is None)
+        forms = tuple(part for part in chosen if part.form is not None)
+        count = sum(len(part.at) for part in numbers) + len(self.layout.limits.rows(self._size, point))
+        on_factor = np.concatenate([np.zeros(count), self._objective.on_factor])
+        on_slack = np.concatenate([np.ones(count), self._objective.on_slack])
+        blocks: list[Block] = []
+        for part in forms:
+            assert part.form is not None
+            start = blocks[-1].stop if blocks else len(on_factor)
+            blocks.append(Block(part.form, start, len(part.at)))
+        return Rows(tuple(blocks), HalfLines(0, on_factor, on_slack), _Selection(numbers, forms, tuple(self.slots)))
+
+    def _choose(self, machine: Machine, point: Point, g: int) -> Iterator[_Chosen]:
+        terms = [*self._conditions[g], *self._asked(g)]
+        values = self._functions(machine, point, g)(self.slots[g])
+        for k, e in enumerate(self._extremes_of(g), start=len(self._conditions[g])):
+            values[k] = self._gap(e, values[k], point)
+        keep = _worst_slots(values)
+        self.slots[g], values = self.slots[g][keep], values[:, keep]
+        for term, row in zip(terms, values, strict=True):
+            at = np.union1d(np.flatnonzero(row > -RELEVANT), row.argmax())
+            yield _Chosen(g, term, at, self._template(machine, term, point))
+            if isinstance(term, Extreme) and term in self._objective.reversed:
+                yield _Chosen(g, term, np.array([int(row.argmax())]), sign=-1.0)
+
+    def _gap(self, e: int, signed: Array, point: Point) -> Array:
+        """How far values (signed as `Sample.rows` gives them) exceed their extreme, in its unit."""
+        return (signed - self._objective.extremes[e].sign * point.extremes[e]) / self.layout.unit[e]
+
+    def _template(self, machine: Machine, term: Condition | Extreme, point: Point) -> Template | None:
+        """The convex form of a measure's side, where it has one and its bound is positive."""
+        name, side = (term.name, term.side) if isinstance(term, Condition) else (term.of, term.side)
+        if not isinstance(name, str) or name not in machine.demands or side not in machine.demands[name].measure.sides:
+            return None
+        if self._bound(machine, term, point) <= 0:
+            return None
+        probe = self._poses(machine, [point], self._group_of(name), np.zeros((1, len(self._size))))
+        form = self._form(machine, name, str(side), probe)
+        if form is not None and (name, str(side)) not in self._templates:
+            try:
+                self._templates[name, str(side)] = compile_form(form.holds, form.inside.shape[1:])
+            except ValueError as error:
+                demand = machine.demands[name]
+                raise PluginFault(type(demand.measure).__name__, f"its convex form: {error}", demand.place) from error
+        return self._templates.get((name, str(side)))
+
+    def _group_of(self, name: str) -> int:
+        return next(g for g, group in enumerate(self._groups) if name in group.names)
+
+    def _form(self, machine: Machine, name: str, side: str, poses: Poses) -> ConvexForm | None:
+        demand = machine.demands[name]
+        try:
+            return demand.measure.form(machine.manipulator, poses, side)
+        except Exception as error:
+            raise PluginFault(type(demand.measure).__name__, f"its convex form raised: {error}", demand.place) from error
+
+    def _bound(self, machine: Machine, term: Condition | Extreme, point: Point) -> float:
+        if isinstance(term, Extreme):
+            return float(point.extremes[self._objective.extremes.index(term)])
+        bound = machine.demands[term.name].bounds[str(term.side)]
+        sign = 1.0 if term.side == "at_most" else -1.0
+        return bound * float(np.exp(sign * self._relaxed.get(term, 0.0)))
+
+    def smooth(self, points: Array, rows: Rows) -> Array:
+        """w of each x (n, k): numbers, placement, objective, then (inside, bound, ln bound) of each form."""
+        last = max(rows.half_lines.stop, *(block.stop for block in rows.blocks), 0)
+        w = np.full((len(points), last), np.nan)
+        unpacked = [self.layout.unpack(x) for x in points]
+        designs: dict[bytes, list[int]] = {}
+        for i, point in enumerate(unpacked):
+            designs.setdefault(point.design.tobytes(), []).append(i)
+        for same in designs.values():
+            try:
+                machine = self.machine(unpacked[same[0]].design)
+            except UnbuildableDesign:
+                continue
+            w[same] = self._w(machine, [unpacked[i] for i in same], rows)
+        return w
+
+    def _w(self, machine: Machine, points: Sequence[Point], rows: Rows) -> Array:
+        parts = self._numbers(machine, points, rows.selection)
+        parts.append(np.array([self.layout.limits.rows(self._size, point) for point in points]))
+        parts.append(np.array([self._objective.rows(machine, point) for point in points]))
+        parts += self._insides(machine, points, rows.selection)
+        return np.concatenate([part.reshape(len(points), -1) for part in parts], axis=1)
+
+    def _numbers(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> list[Array]:
+        parts = []
+        for g, slots in enumerate(selection.slots):
+            mine = [part for part in selection.numbers if part.group == g]
+            conditions = [part.term for part in mine if isinstance(part.term, Condition)]
+            asked = [part.term for part in mine if isinstance(part.term, Extreme)]
+            if not mine:
+                continue
+            poses = self._poses(machine, points, g, slots)
+            values = Sample(machine.manipulator, machine.demands, poses).rows(conditions, asked, self._relaxed)
+            by_point = values.reshape(len(mine), len(points), len(slots))
+            for part, value in zip(mine, by_point, strict=True):
+                if isinstance(part.term, Extreme):
+                    e = self._objective.extremes.index(part.term)
+                    value = np.array([self._gap(e, v, p) for v, p in zip(value, points, strict=True)])
+                parts.append(part.sign * value[:, part.at])
+        return parts
+
+    def _insides(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> list[Array]:
+        poses = [self._poses(machine, points, g, slots) for g, slots in enumerate(selection.slots)]
+        parts = []
+        for part in selection.forms:
+            term = part.term
+            name = term.name if isinstance(term, Condition) else str(term.of)
+            form = self._form(machine, name, str(term.side), poses[part.group])
+            assert form is not None
+            inside = form.inside.reshape(len(points), len(selection.slots[part.group]), -1)[:, part.at]
+            bound = np.array([self._bound(machine, term, point) for point in points])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                pair = np.stack([bound, np.log(bound)], axis=-1)
+            spread = np.broadcast_to(pair[:, None, :], (*inside.shape[:2], 2))
+            parts.append(np.concatenate([inside, spread], axis=2))
+        return parts
+
+    def shares(self, rows: Rows, step: Step) -> dict[Condition, float]:
+        """The part of the pressure on the slack that each condition has."""
+        numbers, forms = rows.selection.numbers, rows.selection.forms
+        found: dict[Condition, float] = {}
+        counts = [len(part.at) for part in numbers]
+        cuts = np.split(step.shares[: sum(counts)], np.cumsum(counts)[:-1]) if counts else []
+        sums = [float(cut.sum()) for cut in cuts] + list(step.shares[rows.half_lines.stop :])
+        for part, share in zip([*numbers, *forms], sums, strict=True):
+            if isinstance(part.term, Condition):
+                found[part.term] = found.get(part.term, 0.0) + float(share)
+        return found
+
+
+def _worst_slots(values: Array) -> Array:
+    """Numbers of the slots to keep, of values (terms, slots): the worst of each term, then the worst of all."""
+    finite = np.flatnonzero(np.isfinite(values).all(axis=0))
+    worst = finite[values[:, finite].argmax(axis=1)]
+    by_rank = finite[np.argsort(-values[:, finite].max(axis=0), kind="stable")]
+    return np.union1d(worst, by_rank[:SLOTS])

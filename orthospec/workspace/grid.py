@@ -1,0 +1,102 @@
+"""The workspace grid: nodes at whole multiples of its step from the origin of the pose axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.errors import UsageError
+from orthospec.manipulators import Manipulator
+from orthospec.workspace.cuboid import Cuboid, Placement
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Poses
+
+LATTICE = 33
+"""Nodes along each axis of the lattice that looks for the reach."""
+DOUBLINGS = 24
+"""How often the search box may double before the reach is said to have no end."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes ``first`` ... ``first + shape − 1`` (whole multiples of ``step`` along each axis)."""
+
+    step: tuple[float, ...]
+    first: tuple[int, ...]
+    shape: tuple[int, ...]
+    coordinates: int
+    """Length of a pose; coordinates beyond the grid's axes are 0."""
+
+    @property
+    def nodes(self) -> int:
+        """How many nodes there are."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    def poses(self, start: int, stop: int) -> Poses:
+        """Poses of the nodes start ... stop − 1 in C order, read-only."""
+        indices = np.unravel_index(np.arange(start, min(stop, self.nodes)), self.shape)
+        poses = np.zeros((len(indices[0]), self.coordinates))
+        for k, index in enumerate(indices):
+            poses[:, k] = (index + self.first[k]) * self.step[k]
+        poses.flags.writeable = False
+        return poses
+
+    def cuboid(self, placement: Placement) -> Cuboid:
+        """The cuboid that a cube of indices spans."""
+        low = [(self.first[k] + i) * self.step[k] for k, i in enumerate(placement.corner)]
+        high = [(self.first[k] + i + placement.steps) * self.step[k] for k, i in enumerate(placement.corner)]
+        return Cuboid(tuple(map(float, low)), tuple(map(float, high)))
+
+
+def make_grid(manipulator: Manipulator, size: Array, divisions: int, region: Cuboid | None) -> Grid:
+    """The grid of steps size / divisions over the region, or over the reach where none is given.
+
+    Raises UsageError where the reach cannot be found, or not one node lies in the region.
+    """
+    step = size / divisions
+    box = region if region is not None else reach_box(manipulator, size)
+    first = np.ceil(np.array(box.low) / step - 1e-9).astype(int)
+    last = np.floor(np.array(box.high) / step + 1e-9).astype(int)
+    if (last < first).any():
+        raise UsageError("the region holds no node of the grid: enlarge workspace.region or raise divisions")
+    shape = tuple(int(n) for n in last - first + 1)
+    return Grid(tuple(map(float, step)), tuple(map(int, first)), shape, len(manipulator.axes))
+
+
+def reach_box(manipulator: Manipulator, size: Array) -> Cuboid:
+    """A box around all reachable poses: doubled from the prescribed size until nothing touches its faces.
+
+    Raises UsageError where nothing is reachable, or the reach has no end: the spec's region says it then.
+    """
+    half = np.array(size, dtype=float)
+    for _ in range(DOUBLINGS):
+        box = Cuboid.around(np.zeros(len(size)), 2 * half)
+        inside = _reachable(manipulator, box)
+        shell = np.ones(inside.shape, dtype=bool)
+        shell[(slice(1, -1),) * inside.ndim] = False
+        if inside.any() and not (inside & shell).any():
+            closer = _around(box, inside)
+            return _around(closer, _reachable(manipulator, closer))
+        half *= 2
+    raise UsageError("the machine's reach was not found, or has no end: give workspace.region in the spec")
+
+
+def _reachable(manipulator: Manipulator, box: Cuboid) -> Array:
+    d = len(box.low)
+    u = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, LATTICE)] * d, indexing="ij"), axis=-1).reshape(-1, d)
+    reachable = manipulator.inverse_kinematics(box.poses(u, len(manipulator.axes)))[1]
+    return np.asarray(reachable).reshape((LATTICE,) * d)
+
+
+def _around(box: Cuboid, inside: Array) -> Cuboid:
+    """The part of the box that holds the nodes found inside, and one lattice step more."""
+    where = np.argwhere(inside)
+    if len(where) == 0:
+        return box
+    pitch = box.size / (LATTICE - 1)
+    low = np.array(box.low) + (where.min(axis=0) - 1) * pitch
+    high = np.array(box.low) + (where.max(axis=0) + 1) * pitch
+    return Cuboid(tuple(map(float, low)), tuple(map(float, high)))
