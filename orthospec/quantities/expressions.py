@@ -64,7 +64,7 @@ _TOKEN = re.compile(r"\s+|(?P<number>(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))|[
 _NO_VALUE = {
     ZeroDivisionError: "division by zero",
     OverflowError: "the result is too large",
-    ValueError: "a root, logarithm or power of such a number does not exist",
+    ValueError: "a root, logarithm or power that does not exist",
 }
 
 

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 _NUMBER = r"[-+]?(?>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})(\s*)([^\W\d_].*|[%°].*|1/.*)", re.DOTALL)
-QUANTITY_PATTERN = r"^[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)? \S+$"
 
 
 def read(given: object, unit: str | None) -> float | Expression:
@@ -80,11 +79,14 @@ def _read_text(text: str, unit: str | None) -> float | Expression:
     if match is None:
         return expression(text)
     number, gap, name = match[1], match[2], match[3].rstrip()
+    try:
+        given = parse_unit(name)
+    except UnitError as error:
+        is_name = name.isidentifier() and not str(error).endswith("?")
+        product = f"; a product is written '{number} * {name}'" if is_name else ""
+        raise UnitError(f"'{text}': {error}{product}") from None
     if not gap:
-        raise UnitError(
-            f"'{text}': write a space between number and unit, '{number} {name}', or * for a product"
-        )
-    given = parse_unit(name)
+        raise UnitError(f"'{text}': a space is missing between number and unit, '{number} {name}'")
     if unit is not None and parse_unit(unit).dimension != given.dimension:
         raise UnitError(f"{text} is {kind(name)}, {expected(unit)} was expected")
     value = given.to_si(number)

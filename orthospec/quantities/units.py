@@ -134,6 +134,7 @@ def _named(name: str) -> Unit:
     if known is not None:
         return known
     folded = [other for other in UNITS if other.lower() == name.lower()]
+    folded.sort(key=lambda other: sum(a != b for a, b in zip(other, name, strict=True)))
     close = folded or difflib.get_close_matches(name, UNITS, n=1)
     raise UnitError(f"unknown unit '{name}'" + (f"; did you mean '{close[0]}'?" if close else ""))
 
