@@ -15,4 +15,10 @@ assert binary.is_relative_to(tree), f"{binary} is not of {tree}"
 assert b"__asan_report" in binary.read_bytes(), f"{binary} is not sanitised"
 print(f"testing {binary}", flush=True)
 tests = str(tree / "tests" / "test_kernels.py")
-sys.exit(pytest.main([tests, f"--rootdir={tree}", "-p", "no:cacheprovider"]))
+options = [
+    f"--rootdir={tree}",
+    "-p",
+    "no:cacheprovider",
+    "--capture=no",
+]  # a sanitiser's last words are not lost
+sys.exit(pytest.main([tests, *options]))
