@@ -2,6 +2,7 @@
 
 from orthospec.spec.design import Design, Goal, Region, Sweep, Variable, Workspace
 from orthospec.spec.load import load_spec
+from orthospec.spec.schema import schema
 from orthospec.spec.spec import Spec
 
-__all__ = ["Design", "Goal", "Region", "Spec", "Sweep", "Variable", "Workspace", "load_spec"]
+__all__ = ["Design", "Goal", "Region", "Spec", "Sweep", "Variable", "Workspace", "load_spec", "schema"]

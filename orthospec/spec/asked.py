@@ -36,7 +36,9 @@ def demands(draft: Draft, in_goals: frozenset[str]) -> list[DemandPlan]:
 def _check_is_asked(draft: Draft, name: str, keys: MeasureKeys, in_goals: frozenset[str]) -> None:
     levels = keys.levels and (keys.levels.at_least or keys.levels.at_most)
     if keys.at_least is None and keys.at_most is None and not levels and name not in in_goals:
-        message = "asks for nothing: 'at_least', 'at_most', 'levels', or a goal that names it, was expected"
+        message = (
+            f"'{name}' asks for nothing: give it 'at_least', 'at_most' or 'levels', or name it in a goal"
+        )
         draft.wrong(("measures", name), message, at_key=True)
 
 

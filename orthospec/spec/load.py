@@ -70,7 +70,7 @@ def _checked(document: Document, source: str) -> Spec:
     return Spec(
         title=draft.keys.title,
         variables=variables,
-        machine=machine,
+        manipulator=machine,
         workspace=workspace,
         measures=tuple(demands),
         goals=tuple(goals),

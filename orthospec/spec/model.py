@@ -6,7 +6,7 @@ as written, and resolved in `orthospec.spec.resolve`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, StrictInt, StrictStr
 from pydantic_core import core_schema
@@ -48,10 +48,17 @@ def _format(given: object) -> int:
     raise ValueError(f"this version reads specs of format 1, written 'orthospec: 1'; {shown(given)} given")
 
 
+def _none_is_empty(given: object) -> object:
+    return {} if given is None else given
+
+
 Amount: TypeAlias = Annotated[int | float | str, _AmountMarker()]
 Formula: TypeAlias = Annotated[str, BeforeValidator(_formula, json_schema_input_type=str)]
 Count: TypeAlias = Annotated[StrictInt, Field(ge=1)]
 PerAxis: TypeAlias = Annotated[tuple[Amount, ...], Field(min_length=1)]
+_Entry = TypeVar("_Entry")
+Named: TypeAlias = Annotated[dict[str, _Entry], BeforeValidator(_none_is_empty)]
+"""Entries under names of the user's; a section with nothing in it is an empty one."""
 
 
 class _Keys(BaseModel):
@@ -135,6 +142,10 @@ class MeasureKeys(_PluginKeys):
 class GoalKeys(_Keys):
     """One of minimise, maximise and match of an expression, with the value aimed at."""
 
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": [sense]} for sense in ("minimise", "maximise", "match")]}
+    )
+
     minimise: Formula | None = None
     """What is to be at most the goal: an expression over variables, indices, scale, worst(measure) ..."""
     maximise: Formula | None = None
@@ -192,17 +203,17 @@ class SpecKeys(_Keys):
     """One line to tell the problem by."""
     notes: Any = None
     """Anything; never interpreted."""
-    variables: dict[str, VariableKeys] = {}
+    variables: Named[VariableKeys] = {}
     """The design variables by name; without them the spec is only evaluated."""
     manipulator: ManipulatorKeys
     """The machine."""
     workspace: WorkspaceKeys
     """The prescribed cuboid."""
-    measures: dict[str, MeasureKeys] = {}
+    measures: Named[MeasureKeys] = {}
     """What must hold at every pose of the cuboid, under names of your own; without them the reach alone."""
-    goals: dict[str, GoalKeys] = {}
+    goals: Named[GoalKeys] = {}
     """What is aimed at, under names of your own."""
-    poses: dict[str, PerAxis] = {}
+    poses: Named[PerAxis] = {}
     """Named poses at which every measure is reported."""
     sweep: SweepKeys | None = None
     """Evaluate along one variable."""

@@ -28,7 +28,7 @@ class Spec:
 
     title: str | None
     variables: Mapping[str, Variable]
-    machine: Blueprint[Manipulator]
+    manipulator: Blueprint[Manipulator]
     workspace: Workspace
     measures: tuple[DemandPlan, ...]
     goals: tuple[GoalPlan, ...]
@@ -45,7 +45,7 @@ class Spec:
         try:
             return Design(
                 values=values,
-                manipulator=self.machine.build(values),
+                manipulator=self.manipulator.build(values),
                 demands=tuple(plan.at(values) for plan in self.measures),
                 goals=tuple(plan.at(values) for plan in self.goals),
             )
@@ -63,7 +63,7 @@ class Spec:
     @property
     def plugins(self) -> tuple[registry.Installed, ...]:
         """The plugins in use, with distribution and version, each once."""
-        used = {registry.distribution_of(registry.MANIPULATORS, self.machine.use)}
+        used = {registry.distribution_of(registry.MANIPULATORS, self.manipulator.use)}
         used |= {registry.distribution_of(registry.MEASURES, plan.blueprint.use) for plan in self.measures}
         return tuple(sorted(used))
 
@@ -72,7 +72,7 @@ class Spec:
         return {
             "orthospec": 1,
             "variables": {name: asdict(variable) for name, variable in self.variables.items()},
-            "manipulator": {"use": self.machine.use, "keys": _folded(self.machine.keys)},
+            "manipulator": {"use": self.manipulator.use, **_folded(self.manipulator.keys)},
             "workspace": asdict(self.workspace),
             "measures": {plan.name: _demand_content(plan) for plan in self.measures},
             "goals": {plan.name: _goal_content(plan) for plan in self.goals},
@@ -96,7 +96,7 @@ class Spec:
 def _demand_content(plan: DemandPlan) -> dict[str, Any]:
     bounds = {side: _written(bound) for side, bound in plan.bounds.items()}
     levels = [{side: _written(bound) for side, bound in level.items()} for level in plan.levels]
-    return {"use": plan.blueprint.use, **bounds, "levels": levels, "keys": _folded(plan.blueprint.keys)}
+    return {"use": plan.blueprint.use, **bounds, "levels": levels, **_folded(plan.blueprint.keys)}
 
 
 def _goal_content(plan: GoalPlan) -> dict[str, Any]:

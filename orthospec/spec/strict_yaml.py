@@ -51,9 +51,7 @@ def _compose(text: str, file: str) -> _Node | None:
         events = yaml.parse(text, Loader=_LOADER)
         return _Composer(events, file).document()
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = Place(mark.line + 1, mark.column + 1) if mark else Place(0, 0)
-        raise SpecError([Mistake(file, *place, _plain_words(error, text, place))]) from None
+        raise SpecError([_syntax_mistake(error, text, file)]) from None
     except yaml.reader.ReaderError as error:
         code = error.character if isinstance(error.character, int) else ord(error.character)
         before = text[: max(text.find(chr(code)), 0)]
@@ -72,23 +70,24 @@ _WORDS = (
 )
 
 
-def _plain_words(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
-    said = f"{error.problem or ''} {error.context or ''}"
+def _syntax_mistake(error: yaml.MarkedYAMLError, text: str, file: str) -> Mistake:
+    """PyYAML's complaint in plain words; what is never closed is told where it opens."""
+    problem, opened = error.problem_mark, error.context_mark
+    place = Place(problem.line + 1, problem.column + 1) if problem else Place(1, 1)
     lines = text.splitlines()
-    line = lines[place.line - 1] if 0 < place.line <= len(lines) else ""
+    line = lines[place.line - 1] if place.line <= len(lines) else ""
+    words = _plain_words(f"{error.problem or ''} {error.context or ''}", line, place.column)
+    if opened and "closed" in words and not any((line[place.column :], *lines[place.line :])):
+        place = Place(opened.line + 1, opened.column + 1)
+    return Mistake(file, *place, words)
+
+
+def _plain_words(said: str, line: str, column: int) -> str:
     if "\t" in line[: len(line) - len(line.lstrip())]:
         return "a tab indents this line; YAML takes spaces only"
     if "cannot start any token" in said:
-        return f"no text starts with {line[place.column - 1 : place.column]} in YAML; put it in quotes"
-    words = next(
-        (words for pattern, words in _WORDS if re.search(pattern, said)), f"not YAML: {said.strip()}"
-    )
-    opened = error.context_mark
-    return (
-        f"{words}; it opens at {opened.line + 1}:{opened.column + 1}"
-        if opened and "closed" in words
-        else words
-    )
+        return f"no text starts with {line[column - 1 : column]} in YAML; put it in quotes"
+    return next((words for pattern, words in _WORDS if re.search(pattern, said)), f"not YAML: {said.strip()}")
 
 
 _Entry: TypeAlias = tuple[_Node, _Node]

@@ -15,8 +15,9 @@ from orthospec.spec import later
 from orthospec.spec.blueprint import Blueprint, Refused, booleans_as_numbers
 from orthospec.spec.design import Variable
 from orthospec.spec.draft import Draft
+from orthospec.spec.model import ManipulatorKeys, MeasureKeys
 from orthospec.spec.plans import DemandPlan
-from orthospec.spec.wording import Problem
+from orthospec.spec.wording import Problem, did_you_mean, known_keys
 
 Built = TypeVar("Built", bound=BaseModel)
 _CORNERS, _INSIDE = 64, 16
@@ -77,11 +78,20 @@ def _report(
     if names - set(variables) and not names - draft.names:
         return
     message = problem.message
-    if problem.kind == "extra_forbidden" and later.is_key_for_later(problem.path[-1]):
-        message = f"'{problem.path[-1]}' is {later.NOT_YET}"
+    if problem.kind == "extra_forbidden" and len(problem.path) == 1:
+        message = _unknown_key(blueprint, problem.path[0])
     elif names and not names - set(variables):
         message += ", and so at every other design tried"
     draft.wrong((*blueprint.path, *problem.path), message, at_key=problem.at_key)
+
+
+def _unknown_key(blueprint: Blueprint[Any], key: object) -> str:
+    """A key that is neither the plugin's nor one of those that the spec has beside them."""
+    of_machine = blueprint.path[0] == "manipulator"
+    if of_machine and later.is_key_for_later(key):
+        return f"'{key}' is {later.NOT_YET}"
+    beside = known_keys(ManipulatorKeys if of_machine else MeasureKeys, ())
+    return f"unknown key '{key}'{did_you_mean(key, [*known_keys(blueprint.made_of, ()), *beside])}"
 
 
 def _names_below(keys: Any, problem: Problem) -> frozenset[str]:

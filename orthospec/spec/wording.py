@@ -114,10 +114,10 @@ def _given(kind: str, value: Any, raw: Any, context: Mapping[str, Any]) -> str:
 
 
 _SAYINGS: dict[str, Callable[[Mapping[str, Any]], str]] = {
-    "greater_than": lambda c: f"more than {c['gt']} was expected",
-    "greater_than_equal": lambda c: f"{c['ge']} or more was expected",
-    "less_than": lambda c: f"less than {c['lt']} was expected",
-    "less_than_equal": lambda c: f"{c['le']} or less was expected",
+    "greater_than": lambda c: f"more than {c['gt']:g} was expected",
+    "greater_than_equal": lambda c: f"{c['ge']:g} or more was expected",
+    "less_than": lambda c: f"less than {c['lt']:g} was expected",
+    "less_than_equal": lambda c: f"{c['le']:g} or less was expected",
     "too_short": lambda c: f"at least {c['min_length']} values were expected",
     "too_long": lambda c: f"{c['max_length']} values were expected at most",
     "literal_error": lambda c: f"{c['expected']} was expected",
