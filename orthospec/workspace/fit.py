@@ -21,7 +21,7 @@ from orthospec.errors import PluginFault, UnbuildableDesign
 from orthospec.manipulators import Manipulator
 from orthospec.measures import ConvexForm, Demand
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
-from orthospec.workspace.critical import find_peaks
+from orthospec.workspace.critical import NODES, find_peaks
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.layout import Layout, Limits, Point
 
@@ -110,8 +110,11 @@ class FitProblem:
         start: tuple[Array, float],
         relaxed: Mapping[Condition, float] | None = None,
     ) -> None:
-        self._build, self._groups, self._objective = build, groups, objective
-        self._size, self._relaxed = size, dict(relaxed or {})
+        self._build, self._objective = build, objective
+        self.groups = tuple(groups)
+        self.size, self._relaxed = size, dict(relaxed or {})
+        self.lattice = NODES
+        """Nodes along each axis of the lattice that finds critical points."""
         self._built: tuple[bytes, Machine] | None = None
         self._templates: dict[tuple[str, str], Template] = {}
         centres = np.array([group.centre for group in groups])
@@ -133,7 +136,7 @@ class FitProblem:
     def cuboids(self, x: Array) -> list[Cuboid]:
         """The cuboid of each group at x."""
         point = self.layout.unpack(x)
-        return [Cuboid.around(centre, point.scale * self._size) for centre in point.centres]
+        return [Cuboid.around(centre, point.scale * self.size) for centre in point.centres]
 
     def machine(self, design: Array) -> Machine:
         """The machine of a scaled design; the last one is remembered."""
@@ -157,7 +160,7 @@ class FitProblem:
         g, soft = self._objective.rows(machine, point), self._objective.on_factor
         hard = self._objective.on_slack
         factor = float(np.max(g[soft > 0] / soft[soft > 0])) if self.has_factor else 0.0
-        rows = [0.0, violation, *(g[hard > 0] / hard[hard > 0]), *self.layout.limits.rows(self._size, point)]
+        rows = [0.0, violation, *(g[hard > 0] / hard[hard > 0]), *self.layout.limits.rows(self.size, point)]
         if not np.isfinite([factor, *rows]).all():
             return hopeless
         return Assessment(self.layout.pack(point), factor, max(rows))
@@ -168,7 +171,7 @@ class FitProblem:
         for g, conditions in enumerate(self._conditions):
             mine = self._extremes_of(g)
             sample_rows = self._functions(machine, point, g)
-            peaks = find_peaks(sample_rows, len(self._size), self.slots[g])
+            peaks = find_peaks(sample_rows, len(self.size), self.slots[g], self.lattice)
             greatest = peaks.greatest(len(conditions) + len(mine))
             worst = max(worst, float(greatest[: len(conditions)].max(initial=-np.inf)))
             extremes[mine] = np.maximum(extremes[mine], greatest[len(conditions) :])
@@ -188,7 +191,7 @@ class FitProblem:
 
     def _extremes_of(self, g: int) -> list[int]:
         """Numbers of the extremes that group g decides: those of its measures, and of all joints."""
-        names = self._groups[g].names
+        names = self.groups[g].names
         return [k for k, e in enumerate(self._objective.extremes) if isinstance(e.of, int) or e.of in names]
 
     def _asked(self, g: int) -> list[Extreme]:
@@ -198,7 +201,7 @@ class FitProblem:
         """Poses (v·s, d) at u (s, d) of group g's cuboid at each of v points, read-only."""
         centres = np.array([point.centres[g] for point in points])
         scales = np.array([point.scale for point in points])
-        spread = centres[:, None, :] + scales[:, None, None] * self._size * u
+        spread = centres[:, None, :] + scales[:, None, None] * self.size * u
         poses = np.zeros((len(points) * len(u), len(machine.manipulator.axes)))
         poses[:, : u.shape[1]] = spread.reshape(-1, u.shape[1])
         poses.flags.writeable = False
@@ -208,10 +211,10 @@ class FitProblem:
         """Which terms enter at which slots: numbers, placement and objective as half-lines, then forms."""
         point = self.layout.unpack(x)
         machine = self.machine(point.design)
-        chosen = [part for g in range(len(self._groups)) for part in self._choose(machine, point, g)]
+        chosen = [part for g in range(len(self.groups)) for part in self._choose(machine, point, g)]
         numbers = tuple(part for part in chosen if part.form is None)
         forms = tuple(part for part in chosen if part.form is not None)
-        count = sum(len(part.at) for part in numbers) + len(self.layout.limits.rows(self._size, point))
+        count = sum(len(part.at) for part in numbers) + len(self.layout.limits.rows(self.size, point))
         on_factor = np.concatenate([np.zeros(count), self._objective.on_factor])
         on_slack = np.concatenate([np.ones(count), self._objective.on_slack])
         blocks: list[Block] = []
@@ -245,7 +248,7 @@ class FitProblem:
             return None
         if self._bound(machine, term, point) <= 0:
             return None
-        probe = self._poses(machine, [point], self._group_of(name), np.zeros((1, len(self._size))))
+        probe = self._poses(machine, [point], self._group_of(name), np.zeros((1, len(self.size))))
         form = self._form(machine, name, str(side), probe)
         if form is not None and (name, str(side)) not in self._templates:
             try:
@@ -256,7 +259,7 @@ class FitProblem:
         return self._templates.get((name, str(side)))
 
     def _group_of(self, name: str) -> int:
-        return next(g for g, group in enumerate(self._groups) if name in group.names)
+        return next(g for g, group in enumerate(self.groups) if name in group.names)
 
     def _form(self, machine: Machine, name: str, side: str, poses: Poses) -> ConvexForm | None:
         demand = machine.demands[name]
@@ -290,7 +293,7 @@ class FitProblem:
 
     def _w(self, machine: Machine, points: Sequence[Point], rows: Rows) -> Array:
         parts = self._numbers(machine, points, rows.selection)
-        parts.append(np.array([self.layout.limits.rows(self._size, point) for point in points]))
+        parts.append(np.array([self.layout.limits.rows(self.size, point) for point in points]))
         parts.append(np.array([self._objective.rows(machine, point) for point in points]))
         parts += self._insides(machine, points, rows.selection)
         return np.concatenate([part.reshape(len(points), -1) for part in parts], axis=1)
@@ -328,6 +331,23 @@ class FitProblem:
             spread = np.broadcast_to(pair[:, None, :], (*inside.shape[:2], 2))
             parts.append(np.concatenate([inside, spread], axis=2))
         return parts
+
+    def critical(self, x: Array, within: float) -> dict[Condition, list[tuple[tuple[float, ...], float]]]:
+        """The poses where each condition is within so much of its bound, with its excess, the worst first.
+
+        A ``within`` of inf asks for all of the slots.
+        """
+        point = self.layout.unpack(x)
+        machine = self.machine(point.design)
+        self._survey(machine, point)
+        found: dict[Condition, list[tuple[tuple[float, ...], float]]] = {}
+        for g, conditions in enumerate(self._conditions):
+            values = self._functions(machine, point, g)(self.slots[g])
+            poses = self._poses(machine, [point], g, self.slots[g])
+            for condition, row in zip(conditions, values, strict=False):
+                order = [k for k in np.argsort(-row, kind="stable") if row[k] >= -within]
+                found.setdefault(condition, []).extend((tuple(map(float, poses[k])), float(row[k])) for k in order)
+        return found
 
     def shares(self, rows: Rows, step: Step) -> dict[Condition, float]:
         """The part of the pressure on the slack that each condition has."""

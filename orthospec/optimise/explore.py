@@ -1,0 +1,151 @@
+"""Where to start: low-discrepancy designs, each measured by the grid metric on a coarse grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.errors import UnbuildableDesign, UsageError
+from orthospec.optimise.objective import GoalObjective, scale_is_asked
+from orthospec.optimise.space import DesignSpace, machine_of, setting_of
+from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
+from orthospec.workspace.field import State, node_states, together
+from orthospec.workspace.fit import FitProblem, Group, Machine
+from orthospec.workspace.grid import Grid, make_grid
+from orthospec.workspace.layout import Limits
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Array
+
+COARSE = 10
+"""Divisions of the prescribed size on the coarse grid."""
+KEPT = 3
+"""Starts that go on to the local solver."""
+DISTINCT = 0.02
+"""Starts nearer than this, as a part of the variables' ranges, are one."""
+SCALES = (1e-3, 1e3)
+"""Range of μ where a goal is about it."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """A design to start from, its problem, and its merit there: the less the better."""
+
+    space: DesignSpace
+    z: Array
+    problem: FitProblem
+    objective: GoalObjective
+    merit: float
+
+
+def candidates(space: DesignSpace) -> Iterator[Array]:
+    """The spec's own start, then a Kronecker sequence shifted by the seed (Roberts' generalised golden ratio)."""
+    yield space.scaled(space.spec.default_values())
+    k = len(space.names)
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1 + ratio) ** (1 / (k + 1))
+    pace = ratio ** -np.arange(1.0, k + 1)
+    shift = np.random.default_rng(space.spec.optimise.seed).random(k)
+    for i in range(1, space.spec.optimise.starts):
+        yield np.asarray((shift + i * pace) % 1.0)
+
+
+def start_at(space: DesignSpace, z: Array) -> Start | None:
+    """The local problem at a design, its cuboids placed by a coarse grid; None where there is no start.
+
+    Where the prescribed cuboid leaves the reach, the grid's own is taken, with its scale as a variable and
+    the prescribed one to be reached elastically, so that the current point can always be evaluated.
+    """
+    try:
+        design = space.design(z)
+        placed = _place(space, machine_of(design))
+    except (UnbuildableDesign, UsageError):
+        return None
+    if placed is None:
+        return None
+    groups, scale = placed
+    objective = GoalObjective(space, z)
+    if scale_is_asked(design.goals):
+        return _start(space, z, groups, objective, max(scale, 0.05), Limits(_box(space), _region(space), SCALES))
+    whole = _start(space, z, groups, objective, 1.0, Limits(_box(space), _region(space)))
+    if np.isfinite(whole.merit):
+        return whole
+    limits = Limits(_box(space), _region(space), (1e-3, 1.0), least_scale=1.0)
+    for part in (0.95, 0.6, 0.3):
+        start = _start(space, z, groups, objective, min(1.0, part * max(scale, 0.05)), limits)
+        if np.isfinite(start.merit):
+            return start
+    return None
+
+
+def _start(
+    space: DesignSpace,
+    z: Array,
+    groups: list[Group],
+    objective: GoalObjective,
+    scale: float,
+    limits: Limits,
+) -> Start:
+    problem = FitProblem(space.machine, np.array(space.spec.workspace.size), groups, objective, limits, (z, scale))
+    objective.settle_senses(space.machine(z), problem.layout.unpack(problem.start))
+    judged = problem.assess(problem.start)
+    merit = judged.factor + 10 * judged.violation if np.isfinite(judged.violation) else np.inf
+    return Start(space, z, problem, objective, merit)
+
+
+def _box(space: DesignSpace) -> tuple[Array, Array]:
+    return np.zeros(len(space.names)), np.ones(len(space.names))
+
+
+def _region(space: DesignSpace) -> Cuboid | None:
+    return setting_of(space.spec).region
+
+
+def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | None:
+    """The groups of demands with the centres of their cuboids on a coarse grid, and the least scale of these."""
+    setting = setting_of(space.spec)
+    bounded = [demand for demand in machine.demands.values() if demand.bounds]
+    free = [name for name, demand in machine.demands.items() if not demand.bounds]
+    grid = make_grid(machine.manipulator, setting.size, min(setting.divisions, COARSE), setting.region)
+    states, _ = node_states(machine.manipulator, bounded, grid)
+    reach = np.where(states[0] == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
+    if setting.together or not bounded:
+        parts = [(tuple(machine.demands), together(states))]
+    else:
+        parts = [((demand.name,), state) for demand, state in zip(bounded, states, strict=True)]
+        parts += [((name,), reach) for name in free]
+    groups, scales = [], []
+    for names, state in parts:
+        found = _cuboid(grid, state) or _cuboid(grid, reach)
+        if found is None:
+            return None
+        groups.append(Group(names, tuple(map(float, found.centre))))
+        scales.append(float(np.max(found.size / setting.size)))
+    return groups, min(scales)
+
+
+def _cuboid(grid: Grid, states: NDArray[np.uint8]) -> Cuboid | None:
+    placement = largest(edge_lengths(states == State.MEETS))
+    return None if placement is None else grid.cuboid(placement)
+
+
+def explore(space: DesignSpace) -> tuple[list[Start], int]:
+    """The best few distinct starts, best first, and how many designs were measured."""
+    found = []
+    count = 0
+    for z in candidates(space):
+        count += 1
+        start = start_at(space, z)
+        if start is not None:
+            found.append(start)
+    kept: list[Start] = []
+    for start in sorted(found, key=lambda start: start.merit):
+        if all(np.abs(start.z - other.z).max(initial=0.0) > DISTINCT for other in kept):
+            kept.append(start)
+    return kept[:KEPT], count

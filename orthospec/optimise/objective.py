@@ -1,0 +1,139 @@
+"""A spec's goals as rows of the subproblem (Pashkevich, Chablat and Wenger 2009, eqs. 12-13).
+
+    minimise  f − wλ <= goal,      maximise  f + wλ >= goal,      match  |f − goal| <= wλ
+
+A weight of 0 makes a row hard. f may name extremes of measures over the cuboid and indices that depend on
+the range of the joints over it; each such extreme is a variable, held by the measure's own bound rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.optimise.space import DesignSpace
+from orthospec.quantities import ExpressionError
+from orthospec.spec import Design, Goal
+from orthospec.workspace.conditions import Extreme
+from orthospec.workspace.evaluate import Evaluation
+from orthospec.workspace.fit import Machine
+from orthospec.workspace.layout import Point
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+
+BUMP = 1e-6
+"""Relative change of an extreme that shows in which direction a goal wants it."""
+
+
+class GoalObjective:
+    """The `Objective` of a spec's goals; the factor is λ over ``unit``, so that it is of order 1.
+
+    ``shifts`` moves goals by name, towards easier where positive: what a price is found with.
+    """
+
+    def __init__(self, space: DesignSpace, z: Array, shifts: Mapping[str, float] | None = None) -> None:
+        self._space, self._shifts = space, dict(shifts or {})
+        design = space.design(z)
+        self._joints = len(design.manipulator.joint_units) if _uses_joint_ranges(design) else 0
+        self.extremes = _extremes(design, self._joints)
+        weights = np.array([goal.weight for goal in design.goals for _ in _senses(goal)])
+        goals = np.array([abs(goal.goal) for goal in design.goals for _ in _senses(goal)])
+        soft = weights > 0
+        sizes = np.maximum(goals[soft], 1e-12) / weights[soft]
+        self.unit = float(sizes.min()) if soft.any() else 1.0
+        self.on_factor = weights * self.unit
+        self.on_slack = np.where(soft, 0.0, np.where(goals > 0, goals, 1.0))
+        self.owners = tuple(goal.name for goal in design.goals for _ in _senses(goal))
+        self.reversed: frozenset[Extreme] = frozenset()
+
+    def settle_senses(self, machine: Machine, point: Point) -> None:
+        """Find which extremes some row wants worse than they are: those need a row of their own."""
+        found = set()
+        for e, extreme in enumerate(self.extremes):
+            values = point.extremes.copy()
+            values[e] += BUMP * max(abs(values[e]), 1e-6)
+            change = self.rows(machine, point._replace(extremes=values)) - self.rows(machine, point)
+            if (extreme.sign * change < 0).any():
+                found.add(extreme)
+        self.reversed = frozenset(found)
+
+    def rows(self, machine: Machine, point: Point) -> Array:
+        """The rows g (r,); NaN where a goal has no value."""
+        design = self._space.design(point.design)
+        ranges = np.full((len(machine.manipulator.joint_units), 2), np.nan)
+        if self._joints:
+            ranges = point.extremes[len(self.extremes) - 2 * self._joints :].reshape(-1, 2)
+        values = {
+            (e.kind, str(e.of)): float(v) for e, v in zip(self.extremes, point.extremes, strict=True)
+        }
+        found = []
+        for goal in design.goals:
+            f = _value(design, goal, dict(machine.manipulator.indices(ranges)), point.scale, values)
+            easier = self._shifts.get(goal.name, 0.0)
+            found += [sign * (f - goal.goal) - easier for sign in _senses(goal)]
+        return np.array(found)
+
+
+def goal_values(design: Design, evaluation: Evaluation) -> dict[str, float]:
+    """Each goal's f at an evaluated design; NaN where it has no value."""
+    values = {}
+    for name, record in evaluation.measures.items():
+        for kind, extreme in (("lowest", record.lowest), ("highest", record.highest)):
+            values[kind, name] = extreme.value if extreme is not None else np.nan
+    scale = evaluation.joint.scale if evaluation.joint is not None else np.nan
+    return {goal.name: _value(design, goal, evaluation.indices, scale, values) for goal in design.goals}
+
+
+def _value(
+    design: Design,
+    goal: Goal,
+    indices: Mapping[str, float],
+    scale: float,
+    extremes: Mapping[tuple[str, str], float],
+) -> float:
+    known = dict(extremes)
+    for kind, name in goal.expression.extremes:
+        if kind == "worst":
+            known[kind, name] = extremes[_worst_kind(design, name), name]
+    try:
+        return goal.expression.value({**design.values, **indices, "scale": scale}, known)
+    except ExpressionError:
+        return np.nan
+
+
+def _senses(goal: Goal) -> tuple[float, ...]:
+    return {"minimise": (1.0,), "maximise": (-1.0,), "match": (1.0, -1.0)}[goal.sense]
+
+
+def _worst_kind(design: Design, name: str) -> str:
+    """The worst of a measure is at its bounded side; one that only a goal names has but one side that means something."""
+    demand = next(demand for demand in design.demands if demand.name == name)
+    sides = set(demand.bounds) or set(demand.measure.sides)
+    return "highest" if "at_most" in sides else "lowest"
+
+
+def _extremes(design: Design, joints: int) -> tuple[Extreme, ...]:
+    """The extremes that the goals name, then those of all joints where an index depends on them."""
+    found: dict[Extreme, None] = {}
+    for goal in design.goals:
+        for kind, name in sorted(goal.expression.extremes):
+            known = _worst_kind(design, name) if kind == "worst" else kind
+            found[Extreme("highest" if known == "highest" else "lowest", name)] = None
+    ends = [Extreme(kind, joint) for joint in range(joints) for kind in ("lowest", "highest")]
+    return (*found, *ends)
+
+
+def _uses_joint_ranges(design: Design) -> bool:
+    """Whether a goal names an index that changes with the range of the joints."""
+    wide = np.tile([0.0, 1.0], (len(design.manipulator.joint_units), 1))
+    first, second = (dict(design.manipulator.indices(ranges)) for ranges in (wide, 2 * wide + 0.5))
+    moving = {name for name in first if not first[name] == second[name]}
+    return any(goal.expression.names & moving for goal in design.goals)
+
+
+def scale_is_asked(goals: Sequence[Goal]) -> bool:
+    """Whether a goal is about the scale of the cuboid."""
+    return any("scale" in goal.expression.names for goal in goals)

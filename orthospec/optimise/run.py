@@ -1,0 +1,204 @@
+"""The main job: from a spec to a finding, whatever happens on the way.
+
+A spec with variables is searched and its best design evaluated; one without is evaluated. A measure that
+fails is named and left out, and the rest is still told.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from orthospec.errors import PluginFault
+from orthospec.optimise.attain import Attained, Hunt, hunt
+from orthospec.optimise.limits import find_conflicts, find_limits
+from orthospec.optimise.objective import goal_values
+from orthospec.optimise.space import DesignSpace, machine_of, setting_of
+from orthospec.result import Attainment, Finding, GoalOutcome, Limit, PluginError, Search, Status
+from orthospec.spec import Design, Goal, Spec
+from orthospec.workspace.evaluate import Evaluation, evaluate
+
+if TYPE_CHECKING:
+    from orthospec.workspace.cuboid import Cuboid
+    from orthospec.workspace.field import Progress
+
+ATTAINED = 1e-9
+"""A goal counts as attained within this, relative."""
+
+T = TypeVar("T")
+
+
+@dataclass
+class Outcome:
+    """A finding, and the log of how it came about."""
+
+    finding: Finding
+    log: dict[str, Any] = field(default_factory=dict)
+    interrupted: bool = False
+
+
+class _Clock:
+    """Wall times of the stages, for the log."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    def time(self, stage: str, work: Callable[[], T]) -> T:
+        start = time.perf_counter()
+        try:
+            return work()
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
+
+
+def evaluate_spec(
+    spec: Spec, values: Mapping[str, float] | None = None, *, progress: Progress | None = None
+) -> Outcome:
+    """Evaluate one design: at these values of the variables, else at their start.
+
+    Raises UnbuildableDesign where there is no machine at the values.
+    """
+    clock = _Clock()
+    design = spec.design(spec.default_values() if values is None else values)
+    evaluation, errors = clock.time("evaluate", lambda: _evaluate(spec, design, None, progress))
+    sweep = clock.time("sweep", lambda: _sweep(spec, design, progress))
+    status: Status = "failed" if errors else "evaluated"
+    attainment = _attainment(design, evaluation)
+    finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=errors)
+    return Outcome(finding, {"seconds": clock.seconds})
+
+
+def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
+    """Find the design that attains the spec's goals, or the best compromise; say what limits it."""
+    if not spec.variables:
+        return evaluate_spec(spec, progress=progress)
+    clock, space = _Clock(), DesignSpace(spec)
+    try:
+        found = clock.time("optimise", lambda: hunt(space, progress))
+    except PluginFault as fault:
+        outcome = evaluate_spec(spec, progress=progress)
+        errors = (_error(fault), *outcome.finding.errors)
+        unique = tuple(dict.fromkeys(errors))
+        return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
+    best = found.best
+    design = space.design(best.z) if best is not None else spec.design(spec.default_values())
+    prescribed = best.cuboids() if best is not None else None
+    evaluation, errors = clock.time("evaluate", lambda: _evaluate(spec, design, prescribed, progress))
+    attainment = _attainment(design, evaluation)
+    status = _status(found, evaluation, attainment, errors)
+    limits = clock.time("limits", lambda: _limits(best, status, progress))
+    sweep = () if found.interrupted else clock.time("sweep", lambda: _sweep(spec, design, progress))
+    search = Search(
+        found.designs,
+        found.starts,
+        best.subproblems if best is not None else 0,
+        None if best is not None and best.feasible else (best.violation if best is not None else None),
+        _sentences(limits) if status == "infeasible" else (),
+    )
+    finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
+    return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, found.interrupted)
+
+
+def _status(
+    found: Hunt, evaluation: Evaluation, attainment: Attainment | None, errors: tuple[PluginError, ...]
+) -> Status:
+    if errors:
+        return "failed"
+    if found.interrupted:
+        return "unfinished"
+    if found.best is None or not found.best.feasible or not evaluation.holds:
+        return "infeasible"
+    goals = attainment.goals.values() if attainment is not None else ()
+    return "attained" if all(goal.attained for goal in goals) else "compromise"
+
+
+def _evaluate(
+    spec: Spec, design: Design, prescribed: Mapping[str, Cuboid] | None, progress: Progress | None
+) -> tuple[Evaluation, tuple[PluginError, ...]]:
+    """Evaluate a design; a measure that fails is left out and named."""
+    errors: list[PluginError] = []
+    machine = machine_of(design)
+    while True:
+        try:
+            evaluation = evaluate(machine, setting_of(spec), prescribed, progress)
+        except PluginFault as fault:
+            kept = {name: d for name, d in machine.demands.items() if d.place != fault.place}
+            if len(kept) == len(machine.demands):
+                raise
+            errors.append(_error(fault))
+            machine = replace(machine, demands=kept)
+            continue
+        errors += [
+            PluginError(failure.measure, failure.place, f"gave NaN at the reachable pose {list(failure.pose)}")
+            for failure in evaluation.failures
+        ]
+        return evaluation, tuple(errors)
+
+
+def _error(fault: PluginFault) -> PluginError:
+    return PluginError(fault.plugin, fault.place, fault.what)
+
+
+def _attainment(design: Design, evaluation: Evaluation) -> Attainment | None:
+    """λ and each goal's value; a goal that names a measure left out has no value and is not attained."""
+    if not design.goals:
+        return None
+    values = goal_values(design, evaluation)
+    goals = {goal.name: _outcome(goal, values[goal.name]) for goal in design.goals}
+    gaps = [_gap(goal, values[goal.name]) / goal.weight for goal in design.goals if goal.weight > 0]
+    return Attainment(float(max(gaps)) if gaps and np.isfinite(gaps).all() else None, goals)
+
+
+def _gap(goal: Goal, value: float) -> float:
+    """How far a goal is missed; negative where it is over-attained."""
+    gap = value - goal.goal
+    return {"minimise": gap, "maximise": -gap, "match": abs(gap)}[goal.sense]
+
+
+def _outcome(goal: Goal, value: float) -> GoalOutcome:
+    attained = _gap(goal, value) <= ATTAINED * (abs(goal.goal) or 1.0)
+    return GoalOutcome(value, goal.goal, goal.weight, bool(attained))
+
+
+def _limits(best: Attained | None, status: Status, progress: Progress | None) -> tuple[Limit, ...]:
+    if best is None or status not in ("attained", "compromise", "infeasible"):
+        return ()
+    if progress is not None:
+        progress("what limits it", 0, 0)
+    return find_conflicts(best) if status == "infeasible" else find_limits(best)
+
+
+def _sentences(limits: tuple[Limit, ...]) -> tuple[str, ...]:
+    """Each thing that conflicts, named as the spec names it."""
+    words = {"at_least": "least", "at_most": "greatest"}
+    found = []
+    for limit in limits:
+        side = words.get(limit.side or "", "")
+        found.append(
+            {
+                "bound": f"measure {limit.name}: {limit.side}",
+                "joint": f"reach: {limit.name}" + (f", {limit.side}" if side else ""),
+                "variable": f"variable {limit.name}: its {side} value",
+                "goal": f"goal {limit.name}: a hard bound",
+            }[limit.kind]
+        )
+    return tuple(found)
+
+
+def _sweep(spec: Spec, design: Design, progress: Progress | None) -> tuple[Finding, ...]:
+    """The design evaluated along one variable, the others as they are."""
+    if spec.sweep is None:
+        return ()
+    found = []
+    values = np.linspace(spec.sweep.start, spec.sweep.stop, spec.sweep.points)
+    for k, value in enumerate(values):
+        if progress is not None:
+            progress("sweep", k, len(values))
+        here = spec.design({**design.values, spec.sweep.variable: float(value)})
+        evaluation, errors = _evaluate(spec, here, None, None)
+        found.append(Finding("failed" if errors else "evaluated", here, evaluation, errors=errors))
+    return tuple(found)

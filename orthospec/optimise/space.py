@@ -1,0 +1,65 @@
+"""The design space of a spec: scaled variables in [0, 1], and the designs they stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.spec import Design, Spec
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.evaluate import Setting
+from orthospec.workspace.fit import Machine
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+
+REMEMBERED = 64
+"""Designs kept: difference quotients and the rows of a goal ask for the same ones again."""
+
+
+class DesignSpace:
+    """Maps scaled designs z (k,) to designs; building one raises UnbuildableDesign where there is none."""
+
+    def __init__(self, spec: Spec) -> None:
+        self.spec = spec
+        self.names = tuple(spec.variables)
+        self.low = np.array([v.min for v in spec.variables.values()], dtype=float)
+        self.high = np.array([v.max for v in spec.variables.values()], dtype=float)
+        self._known: dict[bytes, Design] = {}
+
+    def values(self, z: Array) -> dict[str, float]:
+        """The variables' values, exact at both ends of their ranges."""
+        x = np.where(z == 1.0, self.high, self.low + z * (self.high - self.low))
+        return dict(zip(self.names, map(float, x), strict=True))
+
+    def scaled(self, values: Mapping[str, float]) -> Array:
+        """Z of these values."""
+        x = np.array([values[name] for name in self.names], dtype=float)
+        return np.asarray((x - self.low) / (self.high - self.low))
+
+    def design(self, z: Array) -> Design:
+        """The design at z."""
+        key = z.tobytes()
+        if key not in self._known:
+            if len(self._known) >= REMEMBERED:
+                self._known.pop(next(iter(self._known)))
+            self._known[key] = self.spec.design(self.values(z))
+        return self._known[key]
+
+    def machine(self, z: Array) -> Machine:
+        """The design at z as the workspace sees it."""
+        return machine_of(self.design(z))
+
+
+def machine_of(design: Design) -> Machine:
+    """A design's manipulator and demands."""
+    return Machine(design.manipulator, {demand.name: demand for demand in design.demands})
+
+
+def setting_of(spec: Spec) -> Setting:
+    """The spec's workspace."""
+    asked = spec.workspace
+    region = Cuboid(asked.region.min, asked.region.max) if asked.region is not None else None
+    return Setting(np.array(asked.size), asked.divisions, region, asked.together, dict(spec.poses))
