@@ -42,7 +42,7 @@ class Blueprint(Generic[Built]):
         try:
             return self.made_of.model_validate(self.keys, context={"variables": values})
         except ValidationError as error:
-            raise Refused(problems(error, self.keys, self.made_of)) from None
+            raise Refused(problems(error, self.keys, self.made_of, values)) from None
         except Exception as error:
             raise PluginFault(self.use, f"{type(error).__name__}: {error}", self.place) from error
 

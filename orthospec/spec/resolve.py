@@ -13,6 +13,7 @@ from orthospec.spec.design import Region, Sweep, Variable, Workspace
 from orthospec.spec.document import Path
 from orthospec.spec.draft import Draft
 from orthospec.spec.model import RegionKeys, VariableKeys
+from orthospec.spec.wording import did_you_mean
 
 RESERVED = WORDS | GOAL_CALLS | {"scale"}
 _ROUNDING = 1e-9
@@ -140,10 +141,8 @@ def sweep(draft: Draft) -> Sweep | None:
     if keys is None:
         return None
     if keys.variable not in draft.names:
-        known = (
-            f"the variables are {', '.join(sorted(draft.names))}" if draft.names else "there are no variables"
-        )
-        draft.wrong(("sweep", "variable"), f"unknown variable '{keys.variable}'; {known}")
+        hint = did_you_mean(keys.variable, sorted(draft.names))
+        draft.wrong(("sweep", "variable"), f"unknown variable '{keys.variable}'{hint}")
     start = draft.amount(("sweep", "from"), keys.from_, None)
     stop = draft.amount(("sweep", "to"), keys.to, None)
     if start is None or stop is None:

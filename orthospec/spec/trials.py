@@ -17,7 +17,7 @@ from orthospec.spec.design import Variable
 from orthospec.spec.draft import Draft
 from orthospec.spec.model import ManipulatorKeys, MeasureKeys
 from orthospec.spec.plans import DemandPlan
-from orthospec.spec.wording import Problem, did_you_mean, known_keys
+from orthospec.spec.wording import ABOUT_VALUES, Problem, did_you_mean, known_keys
 
 Built = TypeVar("Built", bound=BaseModel)
 _CORNERS, _INSIDE = 64, 16
@@ -80,7 +80,7 @@ def _report(
     message = problem.message
     if problem.kind == "extra_forbidden" and len(problem.path) == 1:
         message = _unknown_key(blueprint, problem.path[0])
-    elif names and not names - set(variables):
+    elif names and not names - set(variables) and problem.kind in ABOUT_VALUES:
         message += ", and so at every other design tried"
     draft.wrong((*blueprint.path, *problem.path), message, at_key=problem.at_key)
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from orthospec.quantities.fields import shown
+from orthospec.quantities.fields import resolve, shown
 from orthospec.spec.document import Path
 
 
@@ -22,11 +22,21 @@ class Problem(NamedTuple):
     """pydantic's name for it."""
 
 
-def problems(error: ValidationError, data: Any, model: type[BaseModel]) -> list[Problem]:
+_COMPARISONS = frozenset({"greater_than", "greater_than_equal", "less_than", "less_than_equal"})
+ABOUT_VALUES = _COMPARISONS | {"value_error", "assertion_error"}
+"""The kinds of problem that other values of the variables may not have."""
+
+
+def problems(
+    error: ValidationError, data: Any, model: type[BaseModel], variables: Mapping[str, float] | None = None
+) -> list[Problem]:
     """Each error once, at the path that the author wrote; alternatives that all failed are one problem."""
     found: dict[Path, list[Problem]] = {}
     for one in error.errors(include_url=False):
         problem = _problem(one, _written(one["loc"], data, one["type"]), data, model)
+        if problem.kind in _COMPARISONS:
+            computed = _computed(_at(data, problem.path), variables or {})
+            problem = problem._replace(message=problem.message + computed)
         here = found.setdefault(problem.path, [])
         if problem.message not in (other.message for other in here):
             here.append(problem)
@@ -85,7 +95,10 @@ def _problem(one: Any, path: Path, data: Any, model: type[BaseModel]) -> Problem
         return Problem(
             path, f"{one['msg'][:1].lower()}{one['msg'][1:]}, {shown(one['input'])} given", kind=kind
         )
-    return Problem(path, say(context) + _given(kind, one["input"], _at(data, path), context), kind=kind)
+    given = f", {context['actual_length']} given" if kind in ("too_short", "too_long") else ""
+    if kind not in _COMPARISONS:
+        given = given or f", {shown(one['input'])} given"
+    return Problem(path, say(context) + given, kind=kind)
 
 
 def _missing(path: Path, data: Any, model: type[BaseModel]) -> Problem:
@@ -105,12 +118,13 @@ def _too_few(path: Path, data: Any, model: type[BaseModel]) -> Problem:
     return Problem(parent, f"{wanted} values were expected, {given} given", kind="missing")
 
 
-def _given(kind: str, value: Any, raw: Any, context: Mapping[str, Any]) -> str:
-    if kind in ("too_short", "too_long"):
-        return f", {context['actual_length']} given"
-    if isinstance(raw, str) and isinstance(value, int | float) and not isinstance(value, bool):
-        return f", '{raw}' is {value:.6g}"
-    return f", {shown(value)} given"
+def _computed(raw: Any, variables: Mapping[str, float]) -> str:
+    """What was given where a number is out of bounds; of an expression or quantity also its value."""
+    try:
+        value = resolve(raw, None, variables)
+    except ValueError:
+        return f", {shown(raw)} given"
+    return f", '{raw}' is {value:g}" if isinstance(raw, str) else f", {value:g} given"
 
 
 _SAYINGS: dict[str, Callable[[Mapping[str, Any]], str]] = {
