@@ -1,5 +1,8 @@
 """What a run found: frozen records, their plain content, and the folder that keeps it."""
 
+from orthospec.result.compose import compose
+from orthospec.result.files import check_destination, read_result, write_result
+from orthospec.result.model import Result
 from orthospec.result.records import (
     Attainment,
     Finding,
@@ -10,4 +13,17 @@ from orthospec.result.records import (
     Status,
 )
 
-__all__ = ["Attainment", "Finding", "GoalOutcome", "Limit", "PluginError", "Search", "Status"]
+__all__ = [
+    "Attainment",
+    "Finding",
+    "GoalOutcome",
+    "Limit",
+    "PluginError",
+    "Result",
+    "Search",
+    "Status",
+    "check_destination",
+    "compose",
+    "read_result",
+    "write_result",
+]

@@ -1,0 +1,187 @@
+"""From what was found to the plain content of ``result.yaml``.
+
+The same content for the same spec and versions: no time, host or absolute path comes in. A number that is
+not finite becomes null.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from importlib.metadata import version
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from orthospec.manipulators import Manipulator
+    from orthospec.result.records import Attainment, Finding, Limit, Search
+    from orthospec.spec import Spec
+    from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value
+
+ITSELF = "orthospec"
+
+
+def compose(spec: Spec, finding: Finding) -> dict[str, Any]:
+    """The content of the result file, keys in the contract's order; those without content are left out."""
+    return {
+        "orthospec": 1,
+        **_given(title=spec.title),
+        "status": finding.status,
+        **_given(attainment=_attainment(finding.attainment)),
+        **_design(spec, finding),
+        **_given(
+            search=_search(finding.search),
+            sweep=[_design(spec, point) for point in finding.sweep],
+            errors=_errors(spec, finding),
+        ),
+        "provenance": _provenance(spec),
+    }
+
+
+def _given(**entries: Any) -> dict[str, Any]:
+    """The entries that say something."""
+    return {name: value for name, value in entries.items() if value is not None and value not in ({}, [])}
+
+
+def _number(value: float) -> float | None:
+    """A plain float; no minus zero, since it would be another text for the same number."""
+    return float(value) + 0.0 if math.isfinite(value) else None
+
+
+def _numbers(values: Iterable[float]) -> list[float | None]:
+    return [_number(value) for value in values]
+
+
+def _by_name(values: Mapping[str, float]) -> dict[str, float | None]:
+    return {name: _number(value) for name, value in values.items()}
+
+
+def _attainment(attainment: Attainment | None) -> dict[str, Any] | None:
+    if attainment is None or not attainment.goals:
+        return None
+    goals = {
+        name: {
+            "value": _number(goal.value),
+            "goal": _number(goal.goal),
+            "weight": _number(goal.weight),
+            "attained": goal.attained,
+        }
+        for name, goal in attainment.goals.items()
+    }
+    factor = attainment.factor
+    return {"factor": None if factor is None else _number(factor), "goals": goals}
+
+
+def _design(spec: Spec, finding: Finding) -> dict[str, Any]:
+    """What is said of each design, of the one found and of those along a sweep."""
+    evaluation = finding.evaluation
+    return {
+        **_given(variables=_by_name(finding.design.values)),
+        "manipulator": {"use": spec.manipulator.use, **_fields(finding.design.manipulator)},
+        **_given(indices=_by_name(evaluation.indices), joints=_joints(evaluation)),
+        "workspace": _workspace(evaluation),
+        **_given(limits=_limits(finding.limits)),
+    }
+
+
+def _fields(manipulator: Manipulator) -> dict[str, Any]:
+    """The machine's fields as resolved; what was not given and has no value says nothing."""
+    return _given(**manipulator.model_dump(mode="json", exclude_none=True))
+
+
+def _joints(evaluation: Evaluation) -> dict[str, Any] | None:
+    if evaluation.joints is None:
+        return None
+    return {"min": _numbers(evaluation.joints[:, 0]), "max": _numbers(evaluation.joints[:, 1])}
+
+
+def _workspace(evaluation: Evaluation) -> dict[str, Any]:
+    return _given(
+        prescribed=_prescribed(evaluation.prescribed),
+        joint=None if evaluation.joint is None else _largest(evaluation.joint),
+        measures={name: _measured(record) for name, record in evaluation.measures.items()},
+    )
+
+
+def _prescribed(prescribed: Prescribed | None) -> dict[str, Any] | None:
+    if prescribed is None:
+        return None
+    low, high = _numbers(prescribed.cuboid.low), _numbers(prescribed.cuboid.high)
+    return {"min": low, "max": high, "holds": prescribed.holds}
+
+
+def _largest(largest: Largest) -> dict[str, Any]:
+    cuboid = largest.cuboid
+    return {
+        "scale": _number(largest.scale),
+        "grid_scale": _number(largest.grid_scale),
+        "ties": largest.ties,
+        "min": None if cuboid is None else _numbers(cuboid.low),
+        "max": None if cuboid is None else _numbers(cuboid.high),
+        "nodes": dict(largest.nodes),
+    }
+
+
+def _measured(record: Measured) -> dict[str, Any]:
+    levels = [{**_by_name(level.bounds), **_largest(largest)} for level, largest in record.levels]
+    poses = {name: None if at is None else _numbers(at) for name, at in record.poses.items()}
+    return {
+        **({} if record.largest is None else _largest(record.largest)),
+        "lowest": _value(record.lowest),
+        "highest": _value(record.highest),
+        **_given(levels=levels, poses=poses, prescribed=_prescribed(record.prescribed)),
+    }
+
+
+def _value(value: Value | None) -> dict[str, Any] | None:
+    return None if value is None else {"value": _number(value.value), "at": _numbers(value.at)}
+
+
+def _limits(limits: Iterable[Limit]) -> list[dict[str, Any]]:
+    """The largest gain first; those whose price is not known last."""
+    ordered = sorted(limits, key=lambda limit: math.inf if limit.gain is None else -limit.gain)
+    return [
+        {
+            "kind": limit.kind,
+            "name": limit.name,
+            **_given(side=limit.side, at=[_numbers(pose) for pose in limit.at]),
+            "gain": None if limit.gain is None else _number(limit.gain),
+            "cost": None if limit.cost is None else _number(limit.cost),
+        }
+        for limit in ordered
+    ]
+
+
+def _search(search: Search | None) -> dict[str, Any] | None:
+    if search is None:
+        return None
+    violation = search.least_violation
+    return {
+        "designs": search.designs,
+        "starts": search.starts,
+        "subproblems": search.subproblems,
+        **_given(
+            least_violation=None if violation is None else _number(violation),
+            conflicts=list(search.conflicts),
+        ),
+    }
+
+
+def _errors(spec: Spec, finding: Finding) -> list[dict[str, Any]]:
+    return [
+        {"name": error.name, **_given(place=_portable(spec, error.place)), "message": error.message}
+        for error in finding.errors
+    ]
+
+
+def _portable(spec: Spec, place: str | None) -> str | None:
+    """The place without the folder that the spec lies in."""
+    file = spec.document.file
+    if place is None or not place.startswith(file):
+        return place
+    return PurePath(file).name + place.removeprefix(file)
+
+
+def _provenance(spec: Spec) -> dict[str, Any]:
+    others = {one.distribution: one.version for one in spec.plugins if one.distribution != ITSELF}
+    return {"orthospec": version(ITSELF), "spec_sha256": spec.sha256(), **_given(plugins=others)}

@@ -1,0 +1,155 @@
+"""The result folder, written whole or not at all, and the result file read back."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from orthospec.errors import SpecError, UsageError
+from orthospec.result.model import Result
+from orthospec.spec.document import Document
+from orthospec.spec.overrides import dump
+from orthospec.spec.strict_yaml import parse
+from orthospec.spec.wording import problems
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+    from orthospec.spec import Spec
+
+RESULT, SPEC, LOG, FIELDS = "result.yaml", "spec.yaml", "run.log.json", "fields.npz"
+_OURS = frozenset({RESULT, SPEC, LOG, FIELDS})
+_FIRST_LINE = b"orthospec: 1\n"
+
+
+def check_destination(folder: Path) -> None:
+    """Raise `UsageError` where a result may not be written; asked before the work, not only after it."""
+    if folder.is_dir():
+        if any(folder.iterdir()) and not _is_result(folder):
+            raise UsageError(f"{folder}: this folder holds other files and no result; choose another one")
+    elif folder.exists():
+        raise UsageError(f"{folder}: there is a file of this name; choose another folder")
+
+
+def write_result(
+    folder: Path,
+    spec: Spec,
+    content: Mapping[str, Any],
+    log: Mapping[str, Any],
+    fields: Mapping[str, Array] | None = None,
+) -> None:
+    """Write a result folder; one that is there already is replaced, other files in it are kept.
+
+    A fault or a signal on the way leaves the old folder as it was.
+    """
+    check_destination(folder)
+    target = folder.resolve()
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch:
+            fresh = Path(scratch) / "new"
+            fresh.mkdir()
+            _fill(fresh, spec, content, log, fields)
+            _put_in_place(fresh, target, Path(scratch) / "old")
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be written: {(error.strerror or str(error)).lower()}") from error
+
+
+def _fill(
+    folder: Path,
+    spec: Spec,
+    content: Mapping[str, Any],
+    log: Mapping[str, Any],
+    fields: Mapping[str, Array] | None,
+) -> None:
+    _write(folder / RESULT, dump(content))
+    _write(folder / SPEC, spec.source)
+    _write(folder / LOG, json.dumps(log, indent=2, ensure_ascii=False) + "\n")
+    if fields:
+        import numpy as np
+
+        np.savez_compressed(folder / FIELDS, allow_pickle=False, **fields)
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _put_in_place(fresh: Path, target: Path, old: Path) -> None:
+    """One rename, or two where a result is replaced: then what was there is put back if the second fails."""
+    if not target.exists():
+        fresh.rename(target)
+        return
+    for other in target.iterdir():
+        if other.name not in _OURS:
+            _copy(other, fresh / other.name)
+    target.rename(old)
+    try:
+        fresh.rename(target)
+    except BaseException:
+        os.rename(old, target)
+        raise
+
+
+def _copy(source: Path, target: Path) -> None:
+    if source.is_dir() and not source.is_symlink():
+        shutil.copytree(source, target, symlinks=True)
+    else:
+        shutil.copy2(source, target, follow_symlinks=False)
+
+
+def _is_result(folder: Path) -> bool:
+    try:
+        with (folder / RESULT).open("rb") as file:
+            return file.read(len(_FIRST_LINE)) == _FIRST_LINE
+    except OSError:
+        return False
+
+
+def read_result(path: Path) -> dict[str, Any]:
+    """The content of a result: a folder, or a ``result.yaml``.
+
+    Raises `UsageError` for what is no result, `SpecError` with all places for a result with mistakes in it.
+    """
+    file = path / RESULT if path.is_dir() else path
+    document = parse(_text(path, file), str(file))
+    content = document.data
+    if not isinstance(content, dict) or "status" not in content:
+        raise UsageError(f"{path}: {_other_kind(content)}")
+    mistakes = [*document.mistakes, *_mistakes(document)]
+    if mistakes:
+        raise SpecError(mistakes)
+    return content
+
+
+def _text(path: Path, file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        lacking = f"no {RESULT} in this folder" if path.is_dir() else "no such file or folder"
+        raise UsageError(f"{path}: {lacking}") from None
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: not a result: not UTF-8 text") from None
+    except OSError as error:
+        raise UsageError(f"{path}: {(error.strerror or 'cannot be read').lower()}") from None
+
+
+def _other_kind(content: object) -> str:
+    if isinstance(content, dict) and "orthospec" in content:
+        return "this is a spec, not a result; 'orthospec run' makes a result folder of it"
+    return f"not a result; a result is a folder with {RESULT} in it"
+
+
+def _mistakes(document: Document) -> list[Any]:
+    try:
+        Result.model_validate(document.data)
+    except ValidationError as error:
+        found = problems(error, document.data, Result)
+        return [document.mistake(one.path, one.message, at_key=one.at_key) for one in found]
+    return []

@@ -1,0 +1,160 @@
+"""The result file, format 1, as classes: what a reader may count on. SI; null where nothing is known."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from orthospec.result.records import Status
+
+Pose: TypeAlias = list[float]
+
+
+class _Record(BaseModel):
+    """Keys that are not known here are passed over, so that files of later versions can be read."""
+
+    model_config = ConfigDict(frozen=True, strict=True, use_attribute_docstrings=True)
+
+
+class GoalRecord(_Record):
+    """One goal at the design found."""
+
+    value: float | None
+    goal: float
+    weight: float
+    attained: bool
+
+
+class AttainmentRecord(_Record):
+    """How far the goals are met."""
+
+    factor: float | None
+    """λ; null where all weights are 0."""
+    goals: dict[str, GoalRecord]
+
+
+class Ends(_Record):
+    """Least and greatest coordinates, or joint values."""
+
+    min: list[float | None]
+    max: list[float | None]
+
+
+class PrescribedRecord(Ends):
+    """The prescribed cuboid where it stands."""
+
+    holds: bool
+    """Whether the reach and every bound hold everywhere in it."""
+
+
+class LargestRecord(_Record):
+    """The largest cuboid of the prescribed proportions."""
+
+    scale: float
+    """Polished μ."""
+    grid_scale: float
+    """The metric on the grid alone."""
+    ties: int
+    """Grid placements of that size."""
+    min: Pose | None
+    """Least coordinates of the polished cuboid."""
+    max: Pose | None
+    """Greatest coordinates of the polished cuboid."""
+    nodes: dict[str, int]
+    """How many nodes meet, violate, are unreachable, failed."""
+
+
+class LevelRecord(LargestRecord):
+    """A further bound, with the largest cuboid under it."""
+
+    at_least: float | None = None
+    at_most: float | None = None
+
+
+class ValueRecord(_Record):
+    """A measure's value and where it is found."""
+
+    value: float | None
+    at: Pose
+
+
+class MeasureRecord(_Record):
+    """One measure; with bounds it has the keys of `LargestRecord` too, standing alone `prescribed`."""
+
+    scale: float | None = None
+    grid_scale: float | None = None
+    lowest: ValueRecord | None = None
+    """Over the prescribed cuboid; null where that leaves the reach."""
+    highest: ValueRecord | None = None
+    levels: list[LevelRecord] = []
+    poses: dict[str, list[float | None] | None] = {}
+    """Values at the named poses."""
+    prescribed: PrescribedRecord | None = None
+
+
+class WorkspaceRecord(_Record):
+    """The cuboids."""
+
+    prescribed: PrescribedRecord | None = None
+    joint: LargestRecord | None = None
+    """All measures together."""
+    measures: dict[str, MeasureRecord] = {}
+
+
+class LimitRecord(_Record):
+    """One thing that holds the design back."""
+
+    kind: str
+    """bound, joint, variable or goal."""
+    name: str
+    side: str | None = None
+    at: list[Pose] = []
+    gain: float | None = None
+    """By how much λ falls when this alone is loosened by 1 %."""
+    cost: float | None = None
+    """By how much λ rises when this alone is tightened by 1 %."""
+
+
+class SearchRecord(_Record):
+    """What was searched."""
+
+    designs: int
+    starts: int
+    subproblems: int
+    least_violation: float | None = None
+    conflicts: list[str] = []
+
+
+class ErrorRecord(_Record):
+    """A plugin that failed, or a pose at which a measure could not be computed."""
+
+    name: str
+    place: str | None = None
+    message: str
+
+
+class DesignRecord(_Record):
+    """One design and what was measured of it."""
+
+    variables: dict[str, float] = {}
+    manipulator: dict[str, Any]
+    """The machine's name under `use`, and its fields."""
+    indices: dict[str, float | None] = {}
+    joints: Ends | None = None
+    """Range of each joint over the prescribed cuboid."""
+    workspace: WorkspaceRecord
+    limits: list[LimitRecord] = []
+
+
+class Result(DesignRecord):
+    """A whole result file."""
+
+    orthospec: Annotated[int, Field(ge=1, le=1)]
+    title: str | None = None
+    status: Status
+    attainment: AttainmentRecord | None = None
+    search: SearchRecord | None = None
+    sweep: list[DesignRecord] = []
+    errors: list[ErrorRecord] = []
+    provenance: dict[str, Any] = {}
