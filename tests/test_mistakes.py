@@ -134,6 +134,15 @@ CHANGES = {
         ["18:25: worst(transmission) needs one bound, and transmission has both bounds; "
          "write lowest() or highest()"],
     ),
+    "a measure for its extreme": (
+        "minimise: base", "minimise: transmission",
+        ["18:25: 'transmission' is a measure; write worst(transmission), lowest(transmission) or "
+         "highest(transmission)"],
+    ),
+    "a misspelt weight": (
+        "minimise: base, goal: 1.3", "minimise: base, goal: 1.3, weight: relativ",
+        ["18:50: unknown name 'relativ'; did you mean 'relative'?"],
+    ),
     "a goal's value in a wrong unit": (
         "minimise: base, goal: 1.3", "minimise: stroke, goal: 1.3 kg",
         ["18:39: 1.3 kg is a mass, a length [m] was expected"],
@@ -225,6 +234,21 @@ CHANGES = {
     ),
     "a negative length": ("[base, base, third]", "[base, base, -310 mm]",
         ["8:29: more than 0 was expected, '-310 mm' is -0.31"],
+    ),
+    "two joint limits": (
+        "use: orthoglide\n", "use: orthoglide\n  joint_limits: {min: [1, 2]}\n",
+        ["8:23: 3 values were expected, 2 given"],
+    ),
+    "a size of four": ("0.8]", "0.8, 1]", ["10:9: 3 values were expected at most, 4 given"]),
+    "a level that is no list": (
+        "at_most: 2", "levels: {at_most: 1.5}", ["16:23: a list [ ... ] was expected, 1.5 given"],
+    ),
+    "a proof that is true": (
+        "goals:", "proof: true\ngoals:",
+        ["17:8: a mapping was expected, true given; or false was expected, true given"],
+    ),
+    "a misspelt key of a proof": (
+        "goals:", "proof: {slak: 1}\ngoals:", ["17:9: unknown key 'slak'; did you mean 'slack'?"],
     ),
     "a root of nothing": (
         "[base, base, third]", "[base, base, sqrt(third - 9)]",

@@ -134,6 +134,9 @@ def _aim(draft: Draft, path: Path, text: str) -> Expression | None:
             path, f"'{text}' is a constant: an expression over variables, indices or measures was expected"
         )
         return None
+    for name in sorted(expression.names & set(draft.measures) - draft.names):
+        draft.wrong(path, f"'{name}' is a measure; write worst({name}), lowest({name}) or highest({name})")
+        return None
     known = [_knows_measure(draft, path, extreme) for extreme in sorted(expression.extremes)]
     if draft.machine is not None:
         known.append(draft.knows(path, expression, {*draft.names, *draft.machine.index_units, "scale"}))
@@ -178,6 +181,10 @@ def _weight(
     if keys.weight == "relative":
         if goal == 0:
             draft.wrong(at, "'relative' has no meaning at goal 0; give the weight as a number")
+        return None
+    if isinstance(keys.weight, str) and keys.weight.isidentifier() and keys.weight not in draft.names:
+        known = [*sorted(draft.names), "relative"]
+        draft.wrong(at, f"unknown name '{keys.weight}'{did_you_mean(keys.weight, known)}")
         return None
     weight = draft.reading(at, keys.weight, unit)
     if isinstance(weight, float) and weight < 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -113,7 +113,7 @@ def _missing(path: Path, data: Any, model: type[BaseModel]) -> Problem:
 def _too_few(path: Path, data: Any, model: type[BaseModel]) -> Problem:
     parent = path[:-1]
     field = _field(model, parent)
-    wanted = len(get_args(field.annotation)) if field else 0
+    wanted = _tuple_length(field.annotation) if field else 0
     given = len(_at(data, parent))
     return Problem(parent, f"{wanted} values were expected, {given} given", kind="missing")
 
@@ -127,14 +127,22 @@ def _computed(raw: Any, variables: Mapping[str, float]) -> str:
     return f", '{raw}' is {value:g}" if isinstance(raw, str) else f", {value:g} given"
 
 
+def _values(count: int) -> str:
+    return f"{count} value{'s' if count > 1 else ''}"
+
+
+def _in_yaml(expected: str) -> str:
+    return {"True": "true", "False": "false"}.get(expected, expected)
+
+
 _SAYINGS: dict[str, Callable[[Mapping[str, Any]], str]] = {
     "greater_than": lambda c: f"more than {c['gt']:g} was expected",
     "greater_than_equal": lambda c: f"{c['ge']:g} or more was expected",
     "less_than": lambda c: f"less than {c['lt']:g} was expected",
     "less_than_equal": lambda c: f"{c['le']:g} or less was expected",
-    "too_short": lambda c: f"at least {c['min_length']} values were expected",
-    "too_long": lambda c: f"{c['max_length']} values were expected at most",
-    "literal_error": lambda c: f"{c['expected']} was expected",
+    "too_short": lambda c: f"{_values(c['min_length'])} or more were expected",
+    "too_long": lambda c: f"{_values(c['max_length'])} were expected at most",
+    "literal_error": lambda c: f"{_in_yaml(c['expected'])} was expected",
     **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), lambda _: "a whole number was expected"),
     **dict.fromkeys(("float_type", "float_parsing", "finite_number"), lambda _: "a number was expected"),
     **dict.fromkeys(("bool_type", "bool_parsing"), lambda _: "true or false was expected"),
@@ -171,6 +179,13 @@ def _field(model: type[BaseModel], path: Path) -> Any:
         elif field is None:
             return None
     return field
+
+
+def _tuple_length(annotation: Any) -> int:
+    arguments = get_args(annotation)
+    if get_origin(annotation) is tuple:
+        return len(arguments)
+    return max((_tuple_length(argument) for argument in arguments), default=0)
 
 
 def _inner_model(annotation: Any) -> type[BaseModel] | None:

@@ -1,0 +1,92 @@
+"""The JSON Schema: valid, current, and of one mind with `load_spec` about the form of a spec."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from orthospec.spec import schema
+from orthospec.spec.strict_yaml import parse
+
+SPECS = sorted((Path(__file__).parent.parent / "specs").glob("*.yaml"))
+SPEC = """\
+orthospec: 1
+title: a spec with most keys
+variables:
+  base: {min: 1.0, max: 3000 mm, start: 2.0}
+manipulator:
+  use: orthoglide
+  leg_lengths: [base, "max(base, 1)", 1500 mm]
+  joint_limits: {min: 0.1, max: [1, 2, 4 * base]}
+  branch: [1, 1, -1]
+workspace: {size: [1, 1, 0.8], region: {min: [-1, -1, -1], max: [1, 1, 1 m]}, together: false}
+measures:
+  transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2, levels: {at_most: [1.5, 1.8]}}
+goals:
+  base: {minimise: worst(transmission), goal: 1.3, weight: relative}
+poses: {Q0: [0, 0, 0]}
+sweep: {variable: base, from: 1, to: 3}
+optimise: {starts: 3, seed: 7}
+pareto: {points: 5}
+proof: false
+"""
+
+
+@pytest.fixture(scope="module")
+def validator() -> Any:
+    made = schema()
+    jsonschema.Draft202012Validator.check_schema(made)
+    return jsonschema.Draft202012Validator(made)
+
+
+def content(text: str) -> Any:
+    return parse(text, "spec.yaml").data
+
+
+def test_a_full_spec_is_accepted(validator: Any) -> None:
+    assert list(validator.iter_errors(content(SPEC))) == []
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
+def test_the_shipped_specs_are_accepted(validator: Any, path: Path) -> None:
+    assert list(validator.iter_errors(content(path.read_text(encoding="utf-8")))) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ("title:", "titel:", []),
+        ("joint_limits: {min", "joint_limits: {minimum", ["manipulator", "joint_limits"]),
+        ("use: orthoglide", "use: hexaglide", ["manipulator", "use"]),
+        ("  leg_lengths", "  leg_length", ["manipulator"]),
+        (", 1500 mm]", "]", ["manipulator", "leg_lengths"]),
+        ("use: velocity_transmission", "use: condition_number", ["measures", "transmission"]),
+        ("at_most: 2,", "at_most: 2, stiffness: 1,", ["measures", "transmission"]),
+        ("together: false", "together: no way", ["workspace", "together"]),
+        ("seed: 7", "seed: -7", ["optimise", "seed"]),
+        ("minimise: worst(transmission)", "maximise: base, minimise: base", ["goals", "base"]),
+        ("orthospec: 1", "orthospec: 2", ["orthospec"]),
+    ],
+)
+def test_a_wrong_form_is_refused_where_it_stands(
+    validator: Any, old: str, new: str, where: list[str]
+) -> None:
+    errors = list(validator.iter_errors(content(SPEC.replace(old, new))))
+    assert where in [list(error.absolute_path) for error in errors]
+
+
+def test_every_key_is_described_and_plugins_tell_their_units(validator: Any) -> None:
+    definitions = validator.schema["$defs"]
+    for name in ("WorkspaceKeys", "GoalKeys", "VariableKeys", "SweepKeys", "OptimiseKeys"):
+        for key, about in definitions[name]["properties"].items():
+            assert about.get("description"), f"{name}.{key}"
+    orthoglide = next(
+        branch["then"]
+        for branch in definitions["ManipulatorKeys"]["allOf"]
+        if branch["if"]["properties"]["use"]["const"] == "orthoglide"
+    )
+    assert orthoglide["properties"]["leg_lengths"]["prefixItems"][0]["x-unit"] == "m"
+    assert "manipulators.orthoglide.JointLimits" in definitions
