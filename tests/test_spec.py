@@ -106,14 +106,14 @@ def test_a_design_at_the_default_values(spec: Spec) -> None:
     assert spec.design(spec.default_values()).manipulator.model_dump()["leg_lengths"] == (2.0, 1.5, 1.0)
 
 
-def test_a_design_takes_tens_of_microseconds(spec: Spec) -> None:
+def test_a_design_is_built_in_a_fraction_of_a_millisecond(spec: Spec) -> None:
     spec.design(spec.default_values())
     times = []
     for _ in range(20):
         began = time.perf_counter()
         spec.design({"base": 1.5, "third": 2.5})
         times.append(time.perf_counter() - began)
-    assert min(times) < 1e-3
+    assert min(times) < 2e-4
 
 
 def test_values_must_be_those_of_the_variables(spec: Spec) -> None:
