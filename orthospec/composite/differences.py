@@ -50,7 +50,9 @@ def hessian(
     centre = np.clip(x, lower + h, upper - h)
     steps, pairs = np.diag(h), list(combinations(range(n), 2))
     mixed = [steps[i] + steps[j] for i, j in pairs]
-    points = np.vstack([centre, centre + steps, centre - steps, *(centre + m for m in mixed), *(centre - m for m in mixed)])
+    points = np.vstack(
+        [centre, centre + steps, centre - steps, *(centre + m for m in mixed), *(centre - m for m in mixed)]
+    )
     used = weights != 0
     f = smooth(points)[:, used] @ weights[used]
     f0, plus, minus = f[0], f[1 : n + 1], f[n + 1 : 2 * n + 1]

@@ -1,11 +1,13 @@
-"""Goal attainment for plain functions: what MATLAB's ``fgoalattain`` does, on the same solver as the machines.
+"""Goal attainment for plain functions: what MATLAB's ``fgoalattain`` does, on the machines' solver.
 
     minimise λ    subject to    f_i(x) − w_i λ <= goal_i,    lower <= x <= upper
 
 (Gembicki 1974; Pashkevich, Chablat and Wenger 2009, eqs. 12-13.) A weight of 0 makes a goal a hard bound.
 
 >>> import numpy as np
->>> found = attain_goals(lambda x: [2 + (x[0] - 3) ** 2, 5 + x[0] ** 2 / 4], [0.5], goals=[3, 6], weights=[1, 1])
+>>> def objectives(x):
+...     return [2 + (x[0] - 3) ** 2, 5 + x[0] ** 2 / 4]
+>>> found = attain_goals(objectives, [0.5], goals=[3, 6], weights=[1, 1])
 >>> bool(abs(found.x[0] - 2) < 1e-8 and abs(found.factor) < 1e-8)
 True
 """

@@ -39,7 +39,7 @@ class Block:
     @property
     def width(self) -> int:
         """Length of one copy of w."""
-        return self.template.on_inside.shape[1]
+        return int(self.template.on_inside.shape[1])
 
     @property
     def stop(self) -> int:
@@ -109,10 +109,11 @@ def solve(
     matrix, offset, cones = _stack(pieces, size)
     cost = np.zeros(size)
     cost[n : n + 2] = factor_weight, penalty
-    quadratic = sparse.csc_matrix((size, size))
-    if hessian.any():
-        quadratic = sparse.block_diag([np.triu(hessian), sparse.csc_matrix((size - n, size - n))], format="csc")
-    answer = clarabel.DefaultSolver(quadratic, cost, matrix, offset, cones, _settings()).solve()
+    quadratic = np.zeros((size, size))
+    quadratic[:n, :n] = np.triu(hessian)
+    answer = clarabel.DefaultSolver(
+        sparse.csc_matrix(quadratic), cost, matrix, offset, cones, _settings()
+    ).solve()
     x, dual = np.array(answer.x), np.array(answer.z)
     if str(answer.status) not in ANSWERS or not (np.isfinite(x).all() and np.isfinite(dual).all()):
         return None
@@ -159,7 +160,7 @@ def _block_rows(block: Block, w: Array, jacobian: Array) -> _Piece:
     dense[:, :, :-2] = form.on_inside @ slopes
     dense[:, :, -1] = form.on_slack
     offset = form.offset - values @ form.on_inside.T
-    auxiliary = sparse.block_diag([form.on_auxiliary] * block.copies) if block.copies else None
+    auxiliary: Any = sparse.block_diag([form.on_auxiliary] * block.copies) if block.copies else None
     return _Piece(dense.reshape(-1, dense.shape[2]), offset.ravel(), auxiliary, form.cones * block.copies)
 
 
@@ -175,7 +176,11 @@ def _stack(pieces: Sequence[_Piece], size: int) -> tuple[Any, Array, list[Any]]:
         row += len(piece.offset)
     i, j, data = (np.concatenate(part) for part in zip(*entries, strict=True))
     cones = [_cone(kind, size) for piece in pieces for kind, size in piece.cones]
-    return sparse.csc_matrix((data, (i, j)), shape=(row, size)), np.concatenate([p.offset for p in pieces]), cones
+    return (
+        sparse.csc_matrix((data, (i, j)), shape=(row, size)),
+        np.concatenate([p.offset for p in pieces]),
+        cones,
+    )
 
 
 def _cone(kind: str, size: int) -> Any:

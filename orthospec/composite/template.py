@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from orthospec.arrays import Array
 
 
@@ -54,7 +56,9 @@ def compile_form(holds: Callable[[Any, Any, Any], list[Any]], shape: tuple[int, 
     mark = cp.sum(cp.multiply(numbers, inside)) + (size + 1) * bound + (size + 2) * bound.logarithm
     problem = cp.Problem(cp.Minimize(mark + (size + 3) * slack), holds(inside, bound, slack))
     if not problem.is_dcp():
-        raise ValueError("the constraints of the form are not convex in X, bound and slack (cvxpy's DCP rules)")
+        raise ValueError(
+            "the constraints of the form are not convex in X, bound and slack (cvxpy's DCP rules)"
+        )
     data = problem.get_problem_data(cp.CLARABEL)[0]
     rows = np.asarray(data["A"].todense())
     order = np.rint(data["c"]).astype(int)
@@ -70,7 +74,9 @@ def compile_form(holds: Callable[[Any, Any, Any], list[Any]], shape: tuple[int, 
     )
 
 
-def _symmetry_rows(rows: Array, columns: Array, shape: tuple[int, ...], zeros: int) -> Array:
+def _symmetry_rows(
+    rows: Array, columns: NDArray[np.intp], shape: tuple[int, ...], zeros: int
+) -> NDArray[np.bool_]:
     """Which rows only state X = Xᵀ: cvxpy asks it of spectral functions, and a linearised inside has it."""
     found = np.zeros(len(rows), dtype=bool)
     if len(shape) == 2 and shape[0] == shape[1]:

@@ -47,7 +47,7 @@ class Assessment:
 
 
 class Problem(Protocol):
-    """Scaled variables x in [lower, upper]; ``scale`` is the length over which functions of each one change."""
+    """Scaled variables x in [lower, upper]; over ``scale`` of a variable the functions change."""
 
     lower: Array
     upper: Array
@@ -70,7 +70,7 @@ class Ending(Enum):
 
     SOLVED = "solved"
     INFEASIBLE = "no nearby point meets all bounds: loosen one that conflicts, or widen a variable"
-    STALLED = "no further progress: try another start"
+    STALLED = "the start, or a subproblem, cannot be evaluated: try another start"
     EXHAUSTED = "the limit of subproblems is reached: raise it, or try another start"
 
 
@@ -131,7 +131,7 @@ def minimise(
 ) -> Solution:
     """Minimise the factor from ``start``, with at most ``most`` subproblems.
 
-    ``on_iterate`` is called after each step with the current point, so that a caller stopped by Ctrl-C has it.
+    ``on_iterate`` is called after each step with the current point: a caller stopped by Ctrl-C has it.
     """
     state = _State(problem.assess(np.asarray(start, dtype=float)), radius=radius)
     state.weight = float(problem.has_factor)
@@ -180,6 +180,7 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
     state.rows, state.step = rows, step
     predicted = state.merit(state.here) - _model(state, step, curvature)
     if predicted <= SETTLED * max(1.0, abs(state.here.factor)):
+        _finish(problem, state, x + step.delta)
         return _settle(problem, state)
     trial, best = problem.assess(_within(problem, x + step.delta)), step
     if _ratio(state, trial, predicted) < 0.75:
@@ -190,6 +191,14 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
             if state.merit(second) < state.merit(trial):
                 trial, best = second, corrected
     return _judge(problem, state, trial, best, predicted, smooth)
+
+
+def _finish(problem: Problem, state: _State, x: Array) -> None:
+    """Take the last step unless it does harm: where the merit is flat its rounding tells nothing of x."""
+    last = problem.assess(_within(problem, x))
+    harm = last.factor - state.here.factor
+    if last.violation <= max(state.here.violation, 0.1 * FEASIBLE) and harm <= SETTLED:
+        state.here = last
 
 
 def _within(problem: Problem, x: Array) -> Array:
@@ -236,7 +245,7 @@ def _judge(
     if ratio > 0.75 and length > 0.9 * state.radius:
         state.radius = min(2.5 * state.radius, RADIUS[1])
     elif ratio < 0.25 and _shrink(state, min(length, state.radius)):
-        return Ending.STALLED if state.here.violation <= FEASIBLE else _settle(problem, state)
+        return _settle(problem, state)
     if not state.weight and state.here.violation <= FEASIBLE:
         return _settle(problem, state)
     _adapt_penalty(state, step, violation)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags
 
 ROUNDING = 1e-12
-"""Designs end exactly on their bounds, and the last bit must not decide: a bound holds within this, relative."""
+"""A bound holds within this, relative: designs end on their bounds, and the last bit must not decide."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 ILL_CONDITIONED = 1e-6
-"""Below this ratio of least to greatest eigenvalue of J⁻ᵀJ⁻¹ the slower SVD is asked: it does not square κ."""
+"""Below this ratio of the eigenvalues of J⁻ᵀJ⁻¹ the slower SVD is asked, which does not square κ."""
 
 
 def transmission_factors(inverse_jacobian: Matrices) -> Array:
@@ -33,7 +33,9 @@ def transmission_factors(inverse_jacobian: Matrices) -> Array:
         gram = np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian
         squares = kernels.symmetric_eigenvalues(gram)
         sigma = np.asarray(1.0 / np.sqrt(squares[:, ::-1]))
-        poor = (squares[:, 0] < ILL_CONDITIONED * squares[:, -1]) & np.isfinite(inverse_jacobian).all(axis=(1, 2))
+        poor = (squares[:, 0] < ILL_CONDITIONED * squares[:, -1]) & np.isfinite(inverse_jacobian).all(
+            axis=(1, 2)
+        )
         sigma[poor] = 1.0 / np.linalg.svd(inverse_jacobian[poor], compute_uv=False)
     return sigma
 
@@ -43,7 +45,7 @@ def logarithmic_stretch(inverse_jacobian: Matrices) -> Matrices:
     eigenvalues, vectors = np.linalg.eigh(np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian)
     with np.errstate(divide="ignore", invalid="ignore"):
         stretch = (vectors * (-0.5 * np.log(eigenvalues))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
-    return (stretch + np.swapaxes(stretch, 1, 2)) / 2
+    return np.asarray((stretch + np.swapaxes(stretch, 1, 2)) / 2)
 
 
 def _stretch_form(manipulator: Manipulator, poses: Poses, holds: Any) -> ConvexForm:
@@ -90,7 +92,7 @@ class ConditionNumber(Measure):
         """κ(J), (n,); inf at a singularity."""
         sigma = transmission_factors(manipulator.inverse_jacobian(poses))
         with np.errstate(invalid="ignore"):
-            return sigma[:, -1] / sigma[:, 0]
+            return np.asarray(sigma[:, -1] / sigma[:, 0])
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(H) − λ_min(H) <= ln k."""
@@ -111,7 +113,7 @@ class Manipulability(Measure):
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """|det J|, (n,); inf at a parallel singularity."""
         with np.errstate(divide="ignore"):
-            return 1.0 / np.abs(np.linalg.det(manipulator.inverse_jacobian(poses)))
+            return np.asarray(1.0 / np.abs(np.linalg.det(manipulator.inverse_jacobian(poses))))
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """tr H >= ln w."""

@@ -47,7 +47,7 @@ def sliders(machine: PrismaticLegs, poses: Poses) -> Joints:
     d = poses[:, None, :] + (machine.joints - machine.bases)
     along = np.einsum("nik,ik->ni", d, machine.axes)
     with np.errstate(invalid="ignore"):
-        return along + machine.branches * np.sqrt(_closing(machine, d, along))
+        return np.asarray(along + machine.branches * np.sqrt(_closing(machine, d, along)))
 
 
 def legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
@@ -59,11 +59,11 @@ def inverse_jacobian(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Matri
     """J⁻¹ (n, 3, 3): row i is s_iᵀ / (s_i·e_i); infinite or NaN at a serial singularity."""
     s = legs(machine, poses, rho)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return s / np.einsum("nik,ik->ni", s, machine.axes)[:, :, None]
+        return np.asarray(s / np.einsum("nik,ik->ni", s, machine.axes)[:, :, None])
 
 
 def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
-    """(n, 3): (s_i·e_i / L_i)² less the clearance, >= 0 where leg i closes its loop; polynomial in the pose."""
+    """(s_i·e_i / L_i)² less the clearance (n, 3): >= 0 where leg i closes its loop, polynomial in the pose."""
     d = poses[:, None, :] + (machine.joints - machine.bases)
     along = np.einsum("nik,ik->ni", d, machine.axes)
     return _closing(machine, d, along) / machine.lengths**2 - CLEARANCE**2
@@ -83,4 +83,4 @@ def assembly_margin(machine: PrismaticLegs, poses: Poses, rho: Joints, sign: flo
 
 def _closing(machine: PrismaticLegs, d: Array, along: Array) -> Array:
     """(s_i·e_i)² (n, 3), negative where the loop cannot close."""
-    return machine.lengths**2 - np.einsum("nik,nik->ni", d, d) + along**2
+    return np.asarray(machine.lengths**2 - np.einsum("nik,nik->ni", d, d) + along**2)

@@ -1,4 +1,4 @@
-"""Goal attainment of a spec: explore, solve from the best starts, keep the best, confirm it on a finer lattice."""
+"""Goal attainment of a spec: explore, solve from the best starts, keep the best, confirm it more finely."""
 
 from __future__ import annotations
 
@@ -13,10 +13,13 @@ from orthospec.optimise.space import DesignSpace
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
+from orthospec.workspace.fit import FitProblem
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
 
+ROUNDING = 1e-10
+"""A scaled variable this near an end of its range stands on it."""
 CONFIRMATIONS = 4
 """How often a solution may be refined with critical points that only the finer lattice shows."""
 
@@ -41,13 +44,16 @@ class Attained:
     @property
     def rank(self) -> tuple[bool, float]:
         """The less the better: feasible first, then the factor (λ), else the violation."""
-        return (not self.feasible, self.factor * self.start.objective.unit if self.feasible else self.violation)
+        return (
+            not self.feasible,
+            self.factor * self.start.objective.unit if self.feasible else self.violation,
+        )
 
     def cuboids(self) -> dict[str, Cuboid]:
         """The prescribed cuboids, by measure; "" names the joint one."""
         problem = self.start.problem
         placed = zip(problem.groups, problem.cuboids(self.x), strict=True)
-        together = len(problem.groups) == 1
+        together = self.start.space.spec.workspace.together
         return {"" if together else group.names[0]: cuboid for group, cuboid in placed}
 
     @property
@@ -105,11 +111,17 @@ def _solve(start: Start, state: Hunt, progress: Progress | None) -> None:
     found = minimise(problem, problem.start, on_iterate=follow)
     spent = found.subproblems
     problem.lattice = FINE
-    confirmed = problem.assess(found.x)
+    confirmed = problem.assess(_snapped(problem, found.x))
     for _ in range(CONFIRMATIONS):
         if confirmed.violation <= max(FEASIBLE, 1.01 * found.violation):
             break
         found = minimise(problem, confirmed.x, radius=0.02, on_iterate=follow)
         spent += found.subproblems
-        confirmed = problem.assess(found.x)
+        confirmed = problem.assess(_snapped(problem, found.x))
     state.finish(Attained(start, confirmed.x, confirmed.factor, confirmed.violation, spent, found))
+
+
+def _snapped(problem: FitProblem, x: Array) -> Array:
+    """Put variables that lie on an end of their range, but for the solver's rounding, exactly there."""
+    x = np.where(np.abs(x - problem.lower) <= ROUNDING, problem.lower, x)
+    return np.where(np.abs(x - problem.upper) <= ROUNDING, problem.upper, x)

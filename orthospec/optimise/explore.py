@@ -13,9 +13,10 @@ from orthospec.optimise.objective import GoalObjective, scale_is_asked
 from orthospec.optimise.space import DesignSpace, machine_of, setting_of
 from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
 from orthospec.workspace.field import State, node_states, together
-from orthospec.workspace.fit import FitProblem, Group, Machine
+from orthospec.workspace.fit import FitProblem, Group
 from orthospec.workspace.grid import Grid, make_grid
 from orthospec.workspace.layout import Limits
+from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +45,7 @@ class Start:
 
 
 def candidates(space: DesignSpace) -> Iterator[Array]:
-    """The spec's own start, then a Kronecker sequence shifted by the seed (Roberts' generalised golden ratio)."""
+    """The spec's own start, then a Kronecker sequence of the generalised golden ratio, shifted by the seed."""
     yield space.scaled(space.spec.default_values())
     k = len(space.names)
     ratio = 2.0
@@ -72,7 +73,9 @@ def start_at(space: DesignSpace, z: Array) -> Start | None:
     groups, scale = placed
     objective = GoalObjective(space, z)
     if scale_is_asked(design.goals):
-        return _start(space, z, groups, objective, max(scale, 0.05), Limits(_box(space), _region(space), SCALES))
+        return _start(
+            space, z, groups, objective, max(scale, 0.05), Limits(_box(space), _region(space), SCALES)
+        )
     whole = _start(space, z, groups, objective, 1.0, Limits(_box(space), _region(space)))
     if np.isfinite(whole.merit):
         return whole
@@ -92,7 +95,9 @@ def _start(
     scale: float,
     limits: Limits,
 ) -> Start:
-    problem = FitProblem(space.machine, np.array(space.spec.workspace.size), groups, objective, limits, (z, scale))
+    problem = FitProblem(
+        space.machine, np.array(space.spec.workspace.size), groups, objective, limits, (z, scale)
+    )
     objective.settle_senses(space.machine(z), problem.layout.unpack(problem.start))
     judged = problem.assess(problem.start)
     merit = judged.factor + 10 * judged.violation if np.isfinite(judged.violation) else np.inf
@@ -108,14 +113,14 @@ def _region(space: DesignSpace) -> Cuboid | None:
 
 
 def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | None:
-    """The groups of demands with the centres of their cuboids on a coarse grid, and the least scale of these."""
+    """The groups of demands, their cuboids' centres on a coarse grid, and the least scale of these."""
     setting = setting_of(space.spec)
     bounded = [demand for demand in machine.demands.values() if demand.bounds]
     free = [name for name, demand in machine.demands.items() if not demand.bounds]
     grid = make_grid(machine.manipulator, setting.size, min(setting.divisions, COARSE), setting.region)
     states, _ = node_states(machine.manipulator, bounded, grid)
     reach = np.where(states[0] == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
-    if setting.together or not bounded:
+    if setting.together:
         parts = [(tuple(machine.demands), together(states))]
     else:
         parts = [((demand.name,), state) for demand, state in zip(bounded, states, strict=True)]

@@ -1,8 +1,8 @@
 """What holds a design back, and at what price.
 
 At an optimum each bound, joint limit, variable's range and goal that binds is moved by one per cent, to
-either side, and the problem solved again from there: ``gain`` is what λ falls by when it is loosened, ``cost``
-what it rises by when tightened. The two differ where several bounds bind at one pose, and the solver's
+either side, and the problem solved again from there: ``gain`` is what λ falls by when it is loosened,
+``cost`` what it rises by when tightened. The two differ where several bounds bind at one pose, and the solver's
 multipliers, which are not unique there, are neither.
 """
 
@@ -66,11 +66,13 @@ def find_conflicts(found: Attained) -> tuple[Limit, ...]:
     whole = float(sum(shares.values()) + hard.sum()) or 1.0
     at = problem.critical(found.x, math.inf)
     limits = [
-        Limit(c.kind, c.name, c.side, tuple(pose for pose, _ in at[c][:1]), None, None)
+        Limit(c.kind, c.name, c.side, tuple(at[c][:1]), None, None)
         for c, share in sorted(shares.items(), key=lambda item: -item[1])
         if share > PART * whole
     ]
-    goals = {owner for owner, share in zip(found.start.objective.owners, hard, strict=True) if share > PART * whole}
+    goals = {
+        owner for owner, share in zip(found.start.objective.owners, hard, strict=True) if share > PART * whole
+    }
     limits += [Limit("goal", owner, None, (), None, None) for owner in sorted(goals)]
     ends = [binding for binding in _variable_bindings(found) if _pushes(found, binding)]
     return (*limits, *(binding.limit for binding in ends))
@@ -89,7 +91,7 @@ def _pushes(found: Attained, binding: _Binding) -> bool:
 def _bindings(found: Attained) -> Iterator[_Binding]:
     for condition, poses in found.start.problem.critical(found.x, ACTIVE).items():
         if poses:
-            yield _condition_binding(condition, tuple(pose for pose, _ in poses))
+            yield _condition_binding(condition, tuple(poses))
     yield from _variable_bindings(found)
     yield from _goal_bindings(found)
 
@@ -101,7 +103,9 @@ def _variable_bindings(found: Attained) -> Iterator[_Binding]:
                 limit = Limit("variable", name, label, (), None, None)
                 sign = (-1.0, 1.0)[side]
                 yield _Binding(
-                    limit, _Shift(variable=(k, side, sign * PERCENT)), _Shift(variable=(k, side, -sign * PERCENT))
+                    limit,
+                    _Shift(variable=(k, side, sign * PERCENT)),
+                    _Shift(variable=(k, side, -sign * PERCENT)),
                 )
 
 

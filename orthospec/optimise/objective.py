@@ -18,8 +18,8 @@ from orthospec.quantities import ExpressionError
 from orthospec.spec import Design, Goal
 from orthospec.workspace.conditions import Extreme
 from orthospec.workspace.evaluate import Evaluation
-from orthospec.workspace.fit import Machine
 from orthospec.workspace.layout import Point
+from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -66,7 +66,7 @@ class GoalObjective:
         ranges = np.full((len(machine.manipulator.joint_units), 2), np.nan)
         if self._joints:
             ranges = point.extremes[len(self.extremes) - 2 * self._joints :].reshape(-1, 2)
-        values = {
+        values: dict[tuple[str, str], float] = {
             (e.kind, str(e.of)): float(v) for e, v in zip(self.extremes, point.extremes, strict=True)
         }
         found = []
@@ -109,10 +109,9 @@ def _senses(goal: Goal) -> tuple[float, ...]:
 
 
 def _worst_kind(design: Design, name: str) -> str:
-    """The worst of a measure is at its bounded side; one that only a goal names has but one side that means something."""
+    """Which extreme is a measure's worst: the one on its bounded side."""
     demand = next(demand for demand in design.demands if demand.name == name)
-    sides = set(demand.bounds) or set(demand.measure.sides)
-    return "highest" if "at_most" in sides else "lowest"
+    return "highest" if "at_most" in demand.bounds else "lowest"
 
 
 def _extremes(design: Design, joints: int) -> tuple[Extreme, ...]:
@@ -130,7 +129,7 @@ def _uses_joint_ranges(design: Design) -> bool:
     """Whether a goal names an index that changes with the range of the joints."""
     wide = np.tile([0.0, 1.0], (len(design.manipulator.joint_units), 1))
     first, second = (dict(design.manipulator.indices(ranges)) for ranges in (wide, 2 * wide + 0.5))
-    moving = {name for name in first if not first[name] == second[name]}
+    moving = {name for name in first if first[name] != second[name]}
     return any(goal.expression.names & moving for goal in design.goals)
 
 

@@ -133,7 +133,9 @@ def _evaluate(
             machine = replace(machine, demands=kept)
             continue
         errors += [
-            PluginError(failure.measure, failure.place, f"gave NaN at the reachable pose {list(failure.pose)}")
+            PluginError(
+                failure.measure, failure.place, f"gave NaN at the reachable pose {list(failure.pose)}"
+            )
             for failure in evaluation.failures
         ]
         return evaluation, tuple(errors)

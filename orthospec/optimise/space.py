@@ -10,7 +10,7 @@ import numpy as np
 from orthospec.spec import Design, Spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting
-from orthospec.workspace.fit import Machine
+from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array

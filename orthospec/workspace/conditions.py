@@ -16,9 +16,10 @@ from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand
 from orthospec.measures.demand import bounded_side, excess
 from orthospec.workspace.field import measured
+from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Poses
+    from orthospec.arrays import Array, Flags, Poses
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ class Condition:
     kind: Literal["bound", "joint"]
     name: str
     side: str | None
+
+    @property
+    def of(self) -> str:
+        """The measure or reach condition."""
+        return self.name
 
     @property
     def reach_key(self) -> str:
@@ -66,29 +72,29 @@ def conditions_of(manipulator: Manipulator, demands: Sequence[Demand], pose: Pos
 
 @dataclass(frozen=True)
 class Sample:
-    """A block of poses under one machine: joints, margins and values, each computed when asked for."""
+    """A block of poses under one machine."""
 
-    manipulator: Manipulator
-    demands: Mapping[str, Demand]
+    machine: Machine
     poses: Poses
 
     def rows(
         self, conditions: Sequence[Condition], extremes: Sequence[Extreme], relaxed: Mapping[Condition, float]
     ) -> Array:
-        """Excess of each condition, then signed value of each extreme, (k, n); inf where it is not computable.
+        """Excess of each condition, then signed value of each extreme (k, n); inf where not computable.
 
         ``relaxed`` loosens a condition by so much.
         """
-        joints, _ = self.manipulator.inverse_kinematics(self.poses)
-        known = np.isfinite(joints).all(axis=1)
-        margins = self.manipulator.reach(self.poses)
+        manipulator, demands = self.machine.manipulator, self.machine.demands
+        joints, _ = manipulator.inverse_kinematics(self.poses)
+        known: Flags = np.asarray(np.isfinite(joints).all(axis=1))
+        margins = manipulator.reach(self.poses)
         values = {name: self._values(name, known) for name in self._needed(conditions, extremes)}
         rows = []
         for condition in conditions:
             if condition.kind == "joint":
                 row = -margins[condition.reach_key]
             else:
-                bound = self.demands[condition.name].bounds[str(condition.side)]
+                bound = demands[condition.name].bounds[str(condition.side)]
                 row = excess(values[condition.name], bound, str(condition.side))
             rows.append(row - relaxed.get(condition, 0.0))
         for extreme in extremes:
@@ -102,12 +108,13 @@ class Sample:
         names += [extreme.of for extreme in extremes if isinstance(extreme.of, str)]
         return list(dict.fromkeys(names))
 
-    def _values(self, name: str, known: Array) -> Array:
+    def _values(self, name: str, known: Flags) -> Array:
+        manipulator, demand = self.machine.manipulator, self.machine.demands[name]
         if known.all():
-            return measured(self.demands[name], self.manipulator, self.poses)
+            return measured(demand, manipulator, self.poses)
         poses = self.poses[known]
         poses.flags.writeable = False
-        part = measured(self.demands[name], self.manipulator, poses)
+        part = measured(demand, manipulator, poses)
         values = np.full((len(self.poses), *part.shape[1:]), np.nan)
         values[known] = part
         return values

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from orthospec.arrays import Array
 
 Functions = Callable[["Array"], "Array"]
@@ -22,7 +24,7 @@ Functions = Callable[["Array"], "Array"]
 NODES = 9
 """Nodes of the lattice along each axis."""
 NEAR = 0.1
-"""A local maximiser this near the greatest value (as a part of the function's range, or of 1) is critical too."""
+"""A local maximiser this near the greatest value, as a part of the function's range or of 1, is critical."""
 MOST = 27
 """Most critical points kept of one function."""
 COMPASS = 3
@@ -35,7 +37,7 @@ class Peaks(NamedTuple):
     """Critical points of k functions: point u[j] belongs to function of[j], with that value."""
 
     u: Array
-    of: Array
+    of: NDArray[np.intp]
     value: Array
 
     def greatest(self, count: int) -> Array:
@@ -73,33 +75,34 @@ def _threshold(row: Array) -> float:
     return greatest - NEAR * min(1.0, greatest - float(row.min())) if np.isfinite(greatest) else greatest
 
 
-def _local_maxima(values: Array) -> Array:
+def _local_maxima(values: Array) -> NDArray[np.intp]:
     """Flat indices of the nodes that none of their neighbours exceeds."""
     around = values
     for axis in range(values.ndim):
-        padded = np.pad(around, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], constant_values=-np.inf)
+        margin = [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)]
+        padded = np.pad(around, margin, constant_values=-np.inf)
         n = values.shape[axis]
         parts = [np.take(padded, range(s, s + n), axis=axis) for s in range(3)]
         around = np.maximum.reduce(parts)
     return np.flatnonzero(values >= around)
 
 
-def _apart(lattice: Array, row: Array, chosen: Array) -> Array:
+def _apart(lattice: Array, row: Array, chosen: NDArray[np.intp]) -> NDArray[np.intp]:
     """The greatest of the chosen nodes; on a plateau only nodes half a cuboid apart."""
     kept: list[int] = []
     for node in chosen[np.argsort(-row[chosen], kind="stable")]:
         level = [k for k in kept if row[k] <= row[node] + 1e-9]
         if not level or np.abs(lattice[level] - lattice[node]).max(axis=1).min() >= 0.5:
             kept.append(int(node))
-    return np.array(kept[:MOST], dtype=int)
+    return np.array(kept[:MOST], dtype=np.intp)
 
 
-def _own(functions: Functions, points: Array, of: Array) -> Array:
+def _own(functions: Functions, points: Array, of: NDArray[np.intp]) -> Array:
     """The value of each point's own function."""
-    return functions(points)[of, np.arange(len(points))]
+    return np.asarray(functions(points)[of, np.arange(len(points))])
 
 
-def _refine(functions: Functions, u: Array, of: Array, step: float) -> Peaks:
+def _refine(functions: Functions, u: Array, of: NDArray[np.intp], step: float) -> Peaks:
     value = _own(functions, u, of)
     d = u.shape[1]
     star = np.array([s for s in product((-1.0, 0.0, 1.0), repeat=d) if any(s)])
@@ -119,7 +122,7 @@ def _refine(functions: Functions, u: Array, of: Array, step: float) -> Peaks:
 
 
 def _newton(
-    functions: Functions, u: Array, of: Array, value: Array, h: float, reach: float
+    functions: Functions, u: Array, of: NDArray[np.intp], value: Array, h: float, reach: float
 ) -> tuple[Array, Array]:
     """One Newton step on the coordinates that no face holds; kept where it rises."""
     d = u.shape[1]
@@ -131,7 +134,7 @@ def _newton(
     tries = (centre[:, None, :] + np.array(offsets)).reshape(-1, d)
     f = _own(functions, tries, np.repeat(of, len(offsets))).reshape(len(u), len(offsets))
     plus, minus, f0 = f[:, 1 : d + 1], f[:, d + 1 : 2 * d + 1], f[:, :1]
-    usable = np.isfinite(f).all(axis=1)
+    usable = np.asarray(np.isfinite(f).all(axis=1))
     plus, minus, f0 = (np.where(usable[:, None], part, 0.0) for part in (plus, minus, f0))
     slope = (plus - minus) / (2 * h)
     bend = np.zeros((len(u), d, d))
@@ -152,7 +155,7 @@ def _newton(
     return np.where(better[:, None], trial, u), np.where(better, rising, value)
 
 
-def _ascent(slope: Array, bend: Array, held: Array, fixed: Array, reach: float) -> Array:
+def _ascent(slope: Array, bend: Array, held: NDArray[np.bool_], fixed: Array, reach: float) -> Array:
     """Newton's step on the free coordinates of each point, the held ones moved as given."""
     moves = fixed.copy()
     for k in range(len(slope)):

@@ -34,12 +34,12 @@ class Cuboid:
     @property
     def centre(self) -> Array:
         """Its centre (d,)."""
-        return (np.array(self.low) + np.array(self.high)) / 2
+        return np.asarray(np.mean([self.low, self.high], axis=0))
 
     @property
     def size(self) -> Array:
         """Its edges (d,)."""
-        return np.array(self.high) - np.array(self.low)
+        return np.subtract(self.high, self.low)
 
     def poses(self, u: Array, coordinates: int) -> Poses:
         """Poses (n, coordinates) at u (n, d) in [−1/2, 1/2]; further pose coordinates are 0."""

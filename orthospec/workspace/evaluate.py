@@ -15,8 +15,8 @@ from orthospec.workspace.conditions import Condition, Extreme, Sample, condition
 from orthospec.workspace.critical import find_peaks
 from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
 from orthospec.workspace.field import Failure, Progress, State, measured, node_states, together
-from orthospec.workspace.fit import Machine
 from orthospec.workspace.grid import Grid, make_grid
+from orthospec.workspace.machine import Machine
 from orthospec.workspace.polish import polish
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def evaluate(
         for (demand, level), state in zip(levels, states[len(bounded) :], strict=False)
     ]
     joint = None
-    if setting.together or not bounded:
+    if setting.together:
         everything = together(states[: max(len(bounded), 1)])
         joint = next(iter(own.values())) if len(bounded) == 1 else look.largest(bounded, everything)
     places = _places(setting, joint, own, prescribed)
@@ -140,10 +140,10 @@ def evaluate(
     records = {
         demand.name: Measured(
             own.get(demand.name),
-            *_extremes(machine, demand, standing.get("" if joint else demand.name)),
+            *_extremes(machine, demand, standing.get("" if "" in standing else demand.name)),
             tuple((level, found) for name, level, found in nested if name == demand.name),
             _at_poses(machine, demand, setting.poses),
-            None if joint else standing.get(demand.name),
+            standing.get(demand.name),
         )
         for demand in demands
     }
@@ -196,11 +196,15 @@ def _places(
 def _stand(machine: Machine, place: Cuboid, bounded: Sequence[Demand], name: str) -> Prescribed:
     """Judge a prescribed cuboid: for the joint one ("") by all demands, for a measure's own by its bounds."""
     demands = [demand for demand in bounded if name in ("", demand.name)]
-    greatest = _greatest(machine, place, conditions_of(machine.manipulator, demands, _probe(machine, place)), [])
+    greatest = _greatest(
+        machine, place, conditions_of(machine.manipulator, demands, _probe(machine, place)), []
+    )
     reach = sum(isinstance(c, Condition) and c.kind == "joint" for c in greatest)
     values = np.array([value for value, _ in greatest.values()])
     violation = float(values.max(initial=0.0))
-    return Prescribed(place, violation <= FEASIBLE, violation, bool(values[:reach].max(initial=0.0) <= FEASIBLE))
+    return Prescribed(
+        place, violation <= FEASIBLE, violation, bool(values[:reach].max(initial=0.0) <= FEASIBLE)
+    )
 
 
 def _probe(machine: Machine, place: Cuboid) -> Array:
@@ -214,7 +218,7 @@ def _greatest(
     axes = len(machine.manipulator.axes)
 
     def functions(u: Array) -> Array:
-        sample = Sample(machine.manipulator, machine.demands, place.poses(u, axes))
+        sample = Sample(machine, place.poses(u, axes))
         return sample.rows(conditions, extremes, {})
 
     terms: list[Condition | Extreme] = [*conditions, *extremes]

@@ -61,10 +61,14 @@ def measured(demand: Demand, manipulator: Manipulator, poses: Poses) -> Array:
     except Exception as error:
         raise PluginFault(_title(demand), f"raised {type(error).__name__}: {error}", demand.place) from error
     if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
-        raise PluginFault(_title(demand), f"gave {type(values).__name__}, not an array of floats", demand.place)
+        raise PluginFault(
+            _title(demand), f"gave {type(values).__name__}, not an array of floats", demand.place
+        )
     n = len(poses)
     if values.shape not in {(n,), (n, 2)}:
-        raise PluginFault(_title(demand), f"gave shape {values.shape} for {n} poses, not (n,) or (n, 2)", demand.place)
+        raise PluginFault(
+            _title(demand), f"gave shape {values.shape} for {n} poses, not (n,) or (n, 2)", demand.place
+        )
     return values
 
 

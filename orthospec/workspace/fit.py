@@ -15,33 +15,27 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from orthospec.composite.subproblem import Block, HalfLines, Rows, Step
-from orthospec.composite.template import Template, compile_form
+from orthospec.composite.template import Template
 from orthospec.composite.trust_region import Assessment
-from orthospec.errors import PluginFault, UnbuildableDesign
-from orthospec.manipulators import Manipulator
-from orthospec.measures import ConvexForm, Demand
+from orthospec.errors import UnbuildableDesign
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
 from orthospec.workspace.critical import NODES, find_peaks
 from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.forms import Forms, form_of
 from orthospec.workspace.layout import Layout, Limits, Point
+from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from orthospec.arrays import Array, Poses
 
 SLOTS = 24
-"""Most critical points kept of one cuboid."""
+"""Most critical points kept of one cuboid, beside the worst of each condition."""
 RELEVANT = 0.5
 """A condition enters the subproblem at its worst point, and where its excess is above minus this."""
 SAME = 1e-3
 """Critical points nearer than this (as a part of the cuboid) are one, the newest."""
-
-
-@dataclass(frozen=True)
-class Machine:
-    """A design as the workspace sees it: a manipulator and what is demanded of it, by name."""
-
-    manipulator: Manipulator
-    demands: Mapping[str, Demand]
 
 
 class Objective(Protocol):
@@ -81,7 +75,7 @@ class _Chosen:
 
     group: int
     term: Condition | Extreme
-    at: Array
+    at: NDArray[np.intp]
     form: Template | None = None
     sign: float = 1.0
 
@@ -96,8 +90,10 @@ class _Selection:
 
 
 class FitProblem:
-    """`Problem` of the trust region. ``build`` maps a scaled design to its `Machine`, or raises
-    UnbuildableDesign; ``relaxed`` loosens conditions by so much, which is how a price is found.
+    """A `Problem` of the trust region: cuboids, and the design around them.
+
+    ``build`` maps a scaled design to its `Machine`, or raises UnbuildableDesign; ``start`` is a scaled design
+    and a scale. ``relaxed`` loosens conditions by so much, which is how a price is found.
     """
 
     def __init__(
@@ -110,13 +106,10 @@ class FitProblem:
         start: tuple[Array, float],
         relaxed: Mapping[Condition, float] | None = None,
     ) -> None:
-        self._build, self._objective = build, objective
-        self.groups = tuple(groups)
-        self.size, self._relaxed = size, dict(relaxed or {})
-        self.lattice = NODES
-        """Nodes along each axis of the lattice that finds critical points."""
+        self.size, self.groups, self.lattice = size, tuple(groups), NODES
+        self._build, self._objective, self._relaxed = build, objective, dict(relaxed or {})
         self._built: tuple[bytes, Machine] | None = None
-        self._templates: dict[tuple[str, str], Template] = {}
+        self._forms = Forms()
         centres = np.array([group.centre for group in groups])
         self.layout = Layout(size, centres, limits, objective.extremes)
         machine = self.machine(start[0])
@@ -145,6 +138,8 @@ class FitProblem:
             self._built = (key, self._build(design))
         return self._built[1]
 
+    # What a point is worth.
+
     def assess(self, x: Array) -> Assessment:
         """Judge x over the whole of its cuboids; the critical points found join."""
         hopeless = Assessment(x, np.inf, np.inf)
@@ -170,8 +165,9 @@ class FitProblem:
         worst, extremes = -np.inf, np.full(len(self._objective.extremes), -np.inf)
         for g, conditions in enumerate(self._conditions):
             mine = self._extremes_of(g)
-            sample_rows = self._functions(machine, point, g)
-            peaks = find_peaks(sample_rows, len(self.size), self.slots[g], self.lattice)
+            peaks = find_peaks(
+                self._functions(machine, point, g), len(self.size), self.slots[g], self.lattice
+            )
             greatest = peaks.greatest(len(conditions) + len(mine))
             worst = max(worst, float(greatest[: len(conditions)].max(initial=-np.inf)))
             extremes[mine] = np.maximum(extremes[mine], greatest[len(conditions) :])
@@ -184,7 +180,7 @@ class FitProblem:
         """Rows of group g, conditions then extremes, as functions of u."""
 
         def functions(u: Array) -> Array:
-            sample = Sample(machine.manipulator, machine.demands, self._poses(machine, [point], g, u))
+            sample = Sample(machine, self._poses(machine, [point], g, u))
             return sample.rows(self._conditions[g], self._asked(g), self._relaxed)
 
         return functions
@@ -207,25 +203,29 @@ class FitProblem:
         poses.flags.writeable = False
         return poses
 
+    # The subproblem at a point.
+
     def rows(self, x: Array) -> Rows:
         """Which terms enter at which slots: numbers, placement and objective as half-lines, then forms."""
         point = self.layout.unpack(x)
         machine = self.machine(point.design)
         chosen = [part for g in range(len(self.groups)) for part in self._choose(machine, point, g)]
         numbers = tuple(part for part in chosen if part.form is None)
-        forms = tuple(part for part in chosen if part.form is not None)
         count = sum(len(part.at) for part in numbers) + len(self.layout.limits.rows(self.size, point))
         on_factor = np.concatenate([np.zeros(count), self._objective.on_factor])
         on_slack = np.concatenate([np.ones(count), self._objective.on_slack])
-        blocks: list[Block] = []
-        for part in forms:
-            assert part.form is not None
-            start = blocks[-1].stop if blocks else len(on_factor)
-            blocks.append(Block(part.form, start, len(part.at)))
-        return Rows(tuple(blocks), HalfLines(0, on_factor, on_slack), _Selection(numbers, forms, tuple(self.slots)))
+        forms, blocks = [], []
+        stop = len(on_factor)
+        for part in chosen:
+            if part.form is not None:
+                forms.append(part)
+                blocks.append(Block(part.form, stop, len(part.at)))
+                stop = blocks[-1].stop
+        selection = _Selection(numbers, tuple(forms), tuple(self.slots))
+        return Rows(tuple(blocks), HalfLines(0, on_factor, on_slack), selection)
 
     def _choose(self, machine: Machine, point: Point, g: int) -> Iterator[_Chosen]:
-        terms = [*self._conditions[g], *self._asked(g)]
+        terms: list[Condition | Extreme] = [*self._conditions[g], *self._asked(g)]
         values = self._functions(machine, point, g)(self.slots[g])
         for k, e in enumerate(self._extremes_of(g), start=len(self._conditions[g])):
             values[k] = self._gap(e, values[k], point)
@@ -233,40 +233,23 @@ class FitProblem:
         self.slots[g], values = self.slots[g][keep], values[:, keep]
         for term, row in zip(terms, values, strict=True):
             at = np.union1d(np.flatnonzero(row > -RELEVANT), row.argmax())
-            yield _Chosen(g, term, at, self._template(machine, term, point))
+            yield _Chosen(g, term, at, self._template(machine, term, point, g))
             if isinstance(term, Extreme) and term in self._objective.reversed:
-                yield _Chosen(g, term, np.array([int(row.argmax())]), sign=-1.0)
+                yield _Chosen(g, term, np.array([row.argmax()]), sign=-1.0)
 
     def _gap(self, e: int, signed: Array, point: Point) -> Array:
         """How far values (signed as `Sample.rows` gives them) exceed their extreme, in its unit."""
-        return (signed - self._objective.extremes[e].sign * point.extremes[e]) / self.layout.unit[e]
+        extreme = self._objective.extremes[e].sign * point.extremes[e]
+        return np.asarray((signed - extreme) / self.layout.unit[e])
 
-    def _template(self, machine: Machine, term: Condition | Extreme, point: Point) -> Template | None:
+    def _template(self, machine: Machine, term: Condition | Extreme, point: Point, g: int) -> Template | None:
         """The convex form of a measure's side, where it has one and its bound is positive."""
-        name, side = (term.name, term.side) if isinstance(term, Condition) else (term.of, term.side)
-        if not isinstance(name, str) or name not in machine.demands or side not in machine.demands[name].measure.sides:
+        if isinstance(term.of, int) or term.of not in machine.demands or term.side is None:
             return None
         if self._bound(machine, term, point) <= 0:
             return None
-        probe = self._poses(machine, [point], self._group_of(name), np.zeros((1, len(self.size))))
-        form = self._form(machine, name, str(side), probe)
-        if form is not None and (name, str(side)) not in self._templates:
-            try:
-                self._templates[name, str(side)] = compile_form(form.holds, form.inside.shape[1:])
-            except ValueError as error:
-                demand = machine.demands[name]
-                raise PluginFault(type(demand.measure).__name__, f"its convex form: {error}", demand.place) from error
-        return self._templates.get((name, str(side)))
-
-    def _group_of(self, name: str) -> int:
-        return next(g for g, group in enumerate(self.groups) if name in group.names)
-
-    def _form(self, machine: Machine, name: str, side: str, poses: Poses) -> ConvexForm | None:
-        demand = machine.demands[name]
-        try:
-            return demand.measure.form(machine.manipulator, poses, side)
-        except Exception as error:
-            raise PluginFault(type(demand.measure).__name__, f"its convex form raised: {error}", demand.place) from error
+        pose = self._poses(machine, [point], g, np.zeros((1, len(self.size))))
+        return self._forms.template(machine, term.of, term.side, pose)
 
     def _bound(self, machine: Machine, term: Condition | Extreme, point: Point) -> float:
         if isinstance(term, Extreme):
@@ -276,7 +259,7 @@ class FitProblem:
         return bound * float(np.exp(sign * self._relaxed.get(term, 0.0)))
 
     def smooth(self, points: Array, rows: Rows) -> Array:
-        """w of each x (n, k): numbers, placement, objective, then (inside, bound, ln bound) of each form."""
+        """Each x's w (n, k): numbers, placement, objective, then (inside, bound, ln bound) of each form."""
         last = max(rows.half_lines.stop, *(block.stop for block in rows.blocks), 0)
         w = np.full((len(points), last), np.nan)
         unpacked = [self.layout.unpack(x) for x in points]
@@ -288,14 +271,14 @@ class FitProblem:
                 machine = self.machine(unpacked[same[0]].design)
             except UnbuildableDesign:
                 continue
-            w[same] = self._w(machine, [unpacked[i] for i in same], rows)
+            w[same] = self._w(machine, [unpacked[i] for i in same], rows.selection)
         return w
 
-    def _w(self, machine: Machine, points: Sequence[Point], rows: Rows) -> Array:
-        parts = self._numbers(machine, points, rows.selection)
+    def _w(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> Array:
+        parts = self._numbers(machine, points, selection)
         parts.append(np.array([self.layout.limits.rows(self.size, point) for point in points]))
         parts.append(np.array([self._objective.rows(machine, point) for point in points]))
-        parts += self._insides(machine, points, rows.selection)
+        parts += self._insides(machine, points, selection)
         return np.concatenate([part.reshape(len(points), -1) for part in parts], axis=1)
 
     def _numbers(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> list[Array]:
@@ -304,12 +287,9 @@ class FitProblem:
             mine = [part for part in selection.numbers if part.group == g]
             conditions = [part.term for part in mine if isinstance(part.term, Condition)]
             asked = [part.term for part in mine if isinstance(part.term, Extreme)]
-            if not mine:
-                continue
-            poses = self._poses(machine, points, g, slots)
-            values = Sample(machine.manipulator, machine.demands, poses).rows(conditions, asked, self._relaxed)
-            by_point = values.reshape(len(mine), len(points), len(slots))
-            for part, value in zip(mine, by_point, strict=True):
+            sample = Sample(machine, self._poses(machine, points, g, slots))
+            values = sample.rows(conditions, asked, self._relaxed)
+            for part, value in zip(mine, values.reshape(-1, len(points), len(slots)), strict=True):
                 if isinstance(part.term, Extreme):
                     e = self._objective.extremes.index(part.term)
                     value = np.array([self._gap(e, v, p) for v, p in zip(value, points, strict=True)])
@@ -320,50 +300,47 @@ class FitProblem:
         poses = [self._poses(machine, points, g, slots) for g, slots in enumerate(selection.slots)]
         parts = []
         for part in selection.forms:
-            term = part.term
-            name = term.name if isinstance(term, Condition) else str(term.of)
-            form = self._form(machine, name, str(term.side), poses[part.group])
+            form = form_of(machine, str(part.term.of), str(part.term.side), poses[part.group])
             assert form is not None
             inside = form.inside.reshape(len(points), len(selection.slots[part.group]), -1)[:, part.at]
-            bound = np.array([self._bound(machine, term, point) for point in points])
+            bound = np.array([self._bound(machine, part.term, point) for point in points])
             with np.errstate(divide="ignore", invalid="ignore"):
                 pair = np.stack([bound, np.log(bound)], axis=-1)
             spread = np.broadcast_to(pair[:, None, :], (*inside.shape[:2], 2))
             parts.append(np.concatenate([inside, spread], axis=2))
         return parts
 
-    def critical(self, x: Array, within: float) -> dict[Condition, list[tuple[tuple[float, ...], float]]]:
-        """The poses where each condition is within so much of its bound, with its excess, the worst first.
+    # What an answer says of the conditions.
 
-        A ``within`` of inf asks for all of the slots.
-        """
+    def critical(self, x: Array, within: float) -> dict[Condition, list[tuple[float, ...]]]:
+        """The poses where each condition is within so much of its bound (inf: at all slots), worst first."""
         point = self.layout.unpack(x)
         machine = self.machine(point.design)
         self._survey(machine, point)
-        found: dict[Condition, list[tuple[tuple[float, ...], float]]] = {}
+        found: dict[Condition, list[tuple[float, ...]]] = {}
         for g, conditions in enumerate(self._conditions):
             values = self._functions(machine, point, g)(self.slots[g])
             poses = self._poses(machine, [point], g, self.slots[g])
             for condition, row in zip(conditions, values, strict=False):
-                order = [k for k in np.argsort(-row, kind="stable") if row[k] >= -within]
-                found.setdefault(condition, []).extend((tuple(map(float, poses[k])), float(row[k])) for k in order)
+                near = [k for k in np.argsort(-row, kind="stable") if row[k] >= -within]
+                found.setdefault(condition, []).extend(tuple(map(float, poses[k])) for k in near)
         return found
 
     def shares(self, rows: Rows, step: Step) -> dict[Condition, float]:
         """The part of the pressure on the slack that each condition has."""
-        numbers, forms = rows.selection.numbers, rows.selection.forms
+        selection: _Selection = rows.selection
+        ends = np.cumsum([len(part.at) for part in selection.numbers], dtype=int)
+        parts = [float(part.sum()) for part in np.split(step.shares[: rows.half_lines.stop], ends)]
+        sums = [*parts[: len(selection.numbers)], *step.shares[rows.half_lines.stop :]]
         found: dict[Condition, float] = {}
-        counts = [len(part.at) for part in numbers]
-        cuts = np.split(step.shares[: sum(counts)], np.cumsum(counts)[:-1]) if counts else []
-        sums = [float(cut.sum()) for cut in cuts] + list(step.shares[rows.half_lines.stop :])
-        for part, share in zip([*numbers, *forms], sums, strict=True):
-            if isinstance(part.term, Condition):
-                found[part.term] = found.get(part.term, 0.0) + float(share)
+        for chosen, share in zip([*selection.numbers, *selection.forms], sums, strict=True):
+            if isinstance(chosen.term, Condition):
+                found[chosen.term] = found.get(chosen.term, 0.0) + float(share)
         return found
 
 
-def _worst_slots(values: Array) -> Array:
-    """Numbers of the slots to keep, of values (terms, slots): the worst of each term, then the worst of all."""
+def _worst_slots(values: Array) -> NDArray[np.intp]:
+    """Numbers of the slots to keep, of values (terms, slots): the worst of each term, the worst of all."""
     finite = np.flatnonzero(np.isfinite(values).all(axis=0))
     worst = finite[values[:, finite].argmax(axis=1)]
     by_rank = finite[np.argsort(-values[:, finite].max(axis=0), kind="stable")]

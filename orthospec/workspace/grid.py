@@ -12,6 +12,8 @@ from orthospec.manipulators import Manipulator
 from orthospec.workspace.cuboid import Cuboid, Placement
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from orthospec.arrays import Array, Poses
 
 LATTICE = 33
@@ -84,14 +86,15 @@ def reach_box(manipulator: Manipulator, size: Array) -> Cuboid:
     raise UsageError("the machine's reach was not found, or has no end: give workspace.region in the spec")
 
 
-def _reachable(manipulator: Manipulator, box: Cuboid) -> Array:
+def _reachable(manipulator: Manipulator, box: Cuboid) -> NDArray[np.bool_]:
     d = len(box.low)
-    u = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, LATTICE)] * d, indexing="ij"), axis=-1).reshape(-1, d)
+    axis = np.linspace(-0.5, 0.5, LATTICE)
+    u = np.stack(np.meshgrid(*[axis] * d, indexing="ij"), axis=-1).reshape(-1, d)
     reachable = manipulator.inverse_kinematics(box.poses(u, len(manipulator.axes)))[1]
     return np.asarray(reachable).reshape((LATTICE,) * d)
 
 
-def _around(box: Cuboid, inside: Array) -> Cuboid:
+def _around(box: Cuboid, inside: NDArray[np.bool_]) -> Cuboid:
     """The part of the box that holds the nodes found inside, and one lattice step more."""
     where = np.argwhere(inside)
     if len(where) == 0:

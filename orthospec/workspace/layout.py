@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -62,7 +61,7 @@ class Layout:
     reference: tuple[float, ...] = ()
     """First values of the extremes."""
 
-    def with_reference(self, values: Sequence[float]) -> Layout:
+    def with_reference(self, values: Array) -> Layout:
         """The same layout, its extremes measured from these values."""
         return replace(self, reference=tuple(float(v) for v in values))
 
@@ -103,6 +102,6 @@ class Layout:
         ends = []
         for side, infinity in enumerate((-np.inf, np.inf)):
             mu = [self.limits.scale[side]] if self.limits.scale else []
-            free = np.full(self.start.size, infinity)
-            ends.append(np.concatenate([self.limits.design[side], free, mu, np.full(len(self.extremes), infinity)]))
+            centres, extremes = np.full(self.start.size, infinity), np.full(len(self.extremes), infinity)
+            ends.append(np.concatenate([self.limits.design[side], centres, mu, extremes]))
         return ends[0], ends[1]

@@ -15,8 +15,9 @@ import numpy as np
 from orthospec.composite.trust_region import FEASIBLE, minimise
 from orthospec.workspace.conditions import Extreme
 from orthospec.workspace.cuboid import Cuboid
-from orthospec.workspace.fit import FitProblem, Group, Machine
+from orthospec.workspace.fit import FitProblem, Group
 from orthospec.workspace.layout import Limits, Point
+from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
