@@ -1,0 +1,53 @@
+"""``joint_error``: how far the tool is off when each actuator is a little off.
+
+Each actuator's position carries an independent error of standard deviation e, from its scale or its servo. To
+first order the tool's error is δp = J δρ, J = ∂p/∂ρ, and by the law of propagation of uncertainty (JCGM
+100:2008, *Guide to the expression of uncertainty in measurement*, eq. 10) coordinate k of the tool has the
+variance e² Σ_i J_ki². Their sum is the mean square of the distance between the tool and where it should be:
+
+    error = e ‖J‖_F = e sqrt(Σ_i 1/s_i²),      s_i the singular values of J⁻¹.
+
+Only numbers are given here, and no convex form: the optimiser linearises their logarithm.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from orthospec.measures import Measure
+from orthospec.quantities import Length
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Poses
+    from orthospec.manipulators import Manipulator
+
+__all__ = ["JointError"]
+
+
+class JointError(Measure):
+    """Root-mean-square position error of the tool, e ‖J‖_F, from independent errors e of the actuators.
+
+    JCGM 100:2008 (GUM), eq. 10, summed over the tool's coordinates. For machines with prismatic actuators
+    and a tool that only translates.
+    """
+
+    error: Annotated[Length, Field(gt=0)]
+    """Standard deviation of each actuator's position [m]."""
+
+    unit: ClassVar[str] = "m"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The error at each pose (n,) [m]; inf at a parallel singularity, NaN where J⁻¹ is not finite."""
+        if {*manipulator.axes} - {"x", "y", "z"} or {*manipulator.joint_units} != {"m"}:
+            raise ValueError("joint_error is for prismatic actuators and a tool that only translates")
+        inverse = manipulator.inverse_jacobian(poses)
+        known = np.isfinite(inverse).all(axis=(1, 2))
+        errors = np.full(len(poses), np.nan)
+        with np.errstate(divide="ignore"):
+            squares = np.linalg.svd(inverse[known], compute_uv=False) ** -2.0
+        errors[known] = self.error * np.sqrt(squares.sum(axis=1))
+        return errors
