@@ -27,8 +27,12 @@ if TYPE_CHECKING:
 
 FEASIBLE = 1e-9
 """A violation up to this (relative) counts as none."""
-SETTLED = 1e-10
+SETTLED = 5e-10
 """The loop ends when a subproblem predicts less gain than this."""
+SHARP = 1e-8
+"""Steps shorter than this sharpen x no more."""
+SHARPENINGS = 2
+"""Most steps that only sharpen x."""
 RADIUS = (0.2, 1.0, 1e-10)
 """First, greatest and least trust radius, in scaled variables."""
 PENALTY = (10.0, 1e6)
@@ -113,6 +117,7 @@ class _State:
     rows: Rows | None = None
     step: Step | None = None
     curvature: Array | None = None
+    sharpened: int = 0
     history: list[Iterate] = field(default_factory=list)
 
     def merit(self, assessment: Assessment) -> float:
@@ -180,8 +185,8 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
     state.rows, state.step = rows, step
     predicted = state.merit(state.here) - _model(state, step, curvature)
     if predicted <= SETTLED * max(1.0, abs(state.here.factor)):
-        _finish(problem, state, x + step.delta)
-        return _settle(problem, state)
+        sharpened = _sharpen(problem, state, step, smooth)
+        return None if sharpened else _settle(problem, state)
     trial, best = problem.assess(_within(problem, x + step.delta)), step
     if _ratio(state, trial, predicted) < 0.75:
         moved = smooth(trial.x[None])[0] if np.isfinite(trial.violation) else np.full(len(w), np.nan)
@@ -193,12 +198,26 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
     return _judge(problem, state, trial, best, predicted, smooth)
 
 
-def _finish(problem: Problem, state: _State, x: Array) -> None:
-    """Take the last step unless it does harm: where the merit is flat its rounding tells nothing of x."""
-    last = problem.assess(_within(problem, x))
+def _sharpen(problem: Problem, state: _State, step: Step, smooth: Callable[[Array], Array]) -> bool:
+    """Take a step that promises nothing, unless it does harm; whether another one may pay.
+
+    Where the merit is flat its rounding tells nothing of x, but Newton's step still does.
+    """
+    last = problem.assess(_within(problem, state.here.x + step.delta))
     harm = last.factor - state.here.factor
-    if last.violation <= max(state.here.violation, 0.1 * FEASIBLE) and harm <= SETTLED:
-        state.here = last
+    if last.violation > max(state.here.violation, 0.1 * FEASIBLE) or harm > SETTLED:
+        return False
+    state.here = last
+    state.curvature = _lagrangian_curvature(problem, step, last.x, smooth)
+    state.sharpened += 1
+    return state.sharpened < SHARPENINGS and float(np.max(np.abs(step.delta))) > SHARP
+
+
+def _lagrangian_curvature(
+    problem: Problem, step: Step, x: Array, smooth: Callable[[Array], Array]
+) -> Array:
+    curvature = hessian(smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
+    return positive_part(curvature)
 
 
 def _within(problem: Problem, x: Array) -> Array:
@@ -229,9 +248,7 @@ def _judge(
     violation = state.here.violation
     if accepted:
         state.here = trial
-        state.curvature = positive_part(
-            hessian(smooth, step.multipliers, trial.x, problem.scale, problem.lower, problem.upper)
-        )
+        state.curvature = _lagrangian_curvature(problem, step, trial.x, smooth)
     state.history.append(
         Iterate(
             state.subproblems,

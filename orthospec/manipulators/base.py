@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 
+from orthospec.errors import OrthospecError, PluginFault
+
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags, Joints, Matrices, Poses
 
@@ -46,11 +48,15 @@ class Manipulator(BaseModel, ABC):
     _memory: dict[str, tuple[object, Any]] = PrivateAttr(default_factory=dict)
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Let each field over the poses remember the block in hand: several measures then cost one field."""
+        """Let each field over the poses remember the block in hand, and name the machine that fails.
+
+        Several measures then cost one field.
+        """
         super().__init_subclass__(**kwargs)
-        for name in ("inverse_kinematics", "inverse_jacobian", "compliance", "joint_inertia"):
+        for name in (*_FIELDS, "reach", "indices", "skeleton"):
             if name in cls.__dict__:
-                setattr(cls, name, _remembering(name, cls.__dict__[name]))
+                method = _faulting(name, cls.__dict__[name])
+                setattr(cls, name, _remembering(name, method) if name in _FIELDS else method)
 
     @abstractmethod
     def inverse_kinematics(self, poses: Poses) -> tuple[Joints, Flags]:
@@ -81,7 +87,48 @@ class Manipulator(BaseModel, ABC):
         """Segments to draw the machine at each pose."""
 
 
+_FIELDS: Mapping[str, tuple[str, ...]] = {
+    "inverse_kinematics": ("n", "m"),
+    "inverse_jacobian": ("n", "m", "m"),
+    "compliance": ("n", "6", "6"),
+    "joint_inertia": ("n", "m", "m"),
+}
+"""The methods that compute a field over poses, with the shapes that they owe."""
+
+
+def _faulting(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """The method, its exceptions and wrong shapes told as the plugin's fault."""
+
+    @functools.wraps(method)
+    def faulting(self: Any, argument: Any) -> Any:
+        try:
+            value = method(self, argument)
+        except OrthospecError:
+            raise
+        except Exception as error:
+            raise PluginFault(
+                type(self).__name__, f"{name} raised {type(error).__name__}: {error}"
+            ) from error
+        if name in _FIELDS:
+            _check_shape(self, name, value, len(argument))
+        return value
+
+    return faulting
+
+
+def _check_shape(machine: Any, name: str, value: Any, n: int) -> None:
+    sizes = {"n": n, "m": len(machine.joint_units), "6": 6}
+    owed = tuple(sizes[axis] for axis in _FIELDS[name])
+    array = value[0] if name == "inverse_kinematics" and isinstance(value, tuple) else value
+    shape = getattr(array, "shape", None)
+    if shape != owed:
+        what = f"{name} gave shape {shape}" if shape is not None else f"{name} gave {type(array).__name__}"
+        raise PluginFault(type(machine).__name__, f"{what}, not {owed}")
+
+
 def _remembering(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """The method, its last value kept for as long as the same read-only block is asked about."""
+
     @functools.wraps(method)
     def remembered(self: Any, poses: Any) -> Any:
         held = self._memory.get(name)
