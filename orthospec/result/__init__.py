@@ -1,7 +1,7 @@
 """What a run found: frozen records, their plain content, and the folder that keeps it."""
 
-from orthospec.result.compose import compose
-from orthospec.result.files import check_destination, read_result, write_result
+from orthospec.result.content import compose
+from orthospec.result.files import check_destination, read_result, spec_of, write_result
 from orthospec.result.model import Result
 from orthospec.result.records import (
     Attainment,
@@ -25,5 +25,6 @@ __all__ = [
     "check_destination",
     "compose",
     "read_result",
+    "spec_of",
     "write_result",
 ]

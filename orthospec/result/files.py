@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from orthospec.errors import SpecError, UsageError
+from orthospec.errors import OrthospecError, SpecError, UsageError
 from orthospec.result.model import Result
 from orthospec.spec.document import Document
+from orthospec.spec.load import load_spec
 from orthospec.spec.overrides import dump
 from orthospec.spec.strict_yaml import parse
 from orthospec.spec.wording import problems
@@ -126,6 +127,14 @@ def read_result(path: Path) -> dict[str, Any]:
     if mistakes:
         raise SpecError(mistakes)
     return content
+
+
+def spec_of(path: Path) -> Spec | None:
+    """The spec beside a result as it was run; None where it is not there or its plugins are not installed."""
+    try:
+        return load_spec((path if path.is_dir() else path.parent) / SPEC)
+    except OrthospecError:
+        return None
 
 
 def _text(path: Path, file: Path) -> str:

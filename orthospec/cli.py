@@ -1,0 +1,328 @@
+"""The commands, in the order of the work. No arithmetic here; what is heavy is imported where it is used.
+
+Results go to standard output, progress and messages to standard error. Exit codes: 0 done; 1 a fault of
+orthospec itself; 2 wrong use or a wrong spec; 3 no design found in which every bound holds, or one evaluated
+in which not every bound does; 4 stopped before the end; 5 a plugin failed.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import shutil
+import sys
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TextIO
+
+import typer
+
+from orthospec.errors import OrthospecError, UsageError
+
+if TYPE_CHECKING:
+    from orthospec.optimise import Outcome
+    from orthospec.spec import Spec
+
+HOLDS, FAULT, NOT_MET, STOPPED, PLUGIN = 0, 1, 3, 4, 5
+WIDEST = 100
+"""Longer lines are hard to read, however wide the terminal."""
+
+app = typer.Typer(
+    name="orthospec",
+    add_completion=True,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+_Arguments = ParamSpec("_Arguments")
+
+SpecFile = Annotated[str, typer.Argument(metavar="SPEC", help="The spec file; - reads standard input.")]
+ResultPath = Annotated[Path, typer.Argument(metavar="RESULT", help="A result folder, or its result.yaml.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Change the spec, like workspace.divisions=80; repeatable."
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs to read.")]
+
+
+def main() -> None:
+    """What the installed command calls."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    app()
+
+
+def _command(work: Callable[_Arguments, int]) -> Callable[_Arguments, None]:
+    """Register a command: its exit code is what it gives back, or that of the error that it raises."""
+
+    @functools.wraps(work)
+    def guarded(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> None:
+        raise typer.Exit(_exit_code(lambda: work(*args, **kwargs)))
+
+    name = work.__name__.removesuffix("_")
+    return app.command(name)(guarded)
+
+
+def _exit_code(work: Callable[[], int]) -> int:
+    try:
+        code = work()
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return HOLDS
+    except KeyboardInterrupt:
+        _say("stopped before there was a result")
+        return STOPPED
+    except OrthospecError as error:
+        _say(str(error))
+        return error.exit_code
+    except Exception as error:
+        _say(_fault(error))
+        return FAULT
+
+
+def _fault(error: Exception) -> str:
+    """A mistake of ours: named shortly, with the whole trace on request."""
+    if os.environ.get("ORTHOSPEC_TRACEBACK"):
+        return traceback.format_exc()
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    where = f"{Path(last.filename).name}:{last.lineno}"
+    return (
+        f"fault in orthospec itself: {type(error).__name__}: {error} ({where})\n"
+        "set ORTHOSPEC_TRACEBACK=1 to see where it comes from, and please report it"
+    )
+
+
+def _say(message: str) -> None:
+    print(message, file=sys.stderr)
+
+
+def _print(text: str) -> None:
+    sys.stdout.write(text if text.endswith("\n") else text + "\n")
+
+
+def _print_json(content: Any) -> None:
+    _print(json.dumps(content, indent=2, ensure_ascii=False))
+
+
+def _format(stream: TextIO) -> dict[str, Any]:
+    """Width and colour for a stream."""
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    width = min(shutil.get_terminal_size((80, 24)).columns, WIDEST)
+    return {"width": width, "colour": stream.isatty() and not plain}
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"orthospec {version('orthospec')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _orthospec(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Find the best dimensions of a parallel manipulator, from a spec file."""
+
+
+@_command
+def run(
+    spec: SpecFile,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", metavar="DIR", help="Result folder; runs/<name of the spec> if not given."
+        ),
+    ] = None,
+    settings: Settings = None,
+    as_json: Json = False,
+) -> int:
+    """Find the best design and write a result folder.
+
+    Without variables the one design of the spec is evaluated. Exit codes: 0 done, 2 wrong spec, 3 no design
+    found in which every bound holds, 4 stopped, 5 a plugin failed.
+    """
+    from orthospec.optimise import solve
+    from orthospec.result import check_destination
+    from orthospec.show import ProgressLine
+    from orthospec.spec import load_spec
+
+    problem = load_spec(Path(spec), settings or [])
+    folder = out or Path("runs") / ("stdin" if spec == "-" else Path(spec).stem)
+    check_destination(folder)
+    with ProgressLine(sys.stderr) as progress:
+        outcome = solve(problem, progress=progress)
+    return _hand_over(problem, outcome, folder, as_json)
+
+
+@_command
+def check(
+    specs: Annotated[list[str], typer.Argument(metavar="SPEC", help="Spec files; - reads standard input.")],
+    settings: Settings = None,
+) -> int:
+    """Check specs: all mistakes at once, with places."""
+    from orthospec.spec import load_spec
+
+    codes = {0}
+    for spec in specs:
+        try:
+            problem = load_spec(Path(spec), settings or [])
+        except OrthospecError as error:
+            _say(str(error))
+            codes.add(error.exit_code)
+        else:
+            _print(f"{spec}: ok ({_in_a_line(problem)})")
+    return max(codes)
+
+
+@_command
+def evaluate(
+    spec: SpecFile,
+    at: Annotated[
+        str | None,
+        typer.Option(
+            "--at", metavar="NAME=VALUE,...", help="The design, like base=1.5,third=1.5; else the start."
+        ),
+    ] = None,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="DIR", help="Write a result folder too.")
+    ] = None,
+    as_json: Json = False,
+) -> int:
+    """Measure one design: its cuboids, indices and extremes."""
+    from orthospec.optimise import evaluate_spec
+    from orthospec.result import check_destination
+    from orthospec.show import ProgressLine
+    from orthospec.spec import load_spec
+
+    problem = load_spec(Path(spec), settings or [])
+    values = problem.default_values() | _values(problem, at or "")
+    if out is not None:
+        check_destination(out)
+    with ProgressLine(sys.stderr) as progress:
+        outcome = evaluate_spec(problem, values, progress=progress)
+    return _hand_over(problem, outcome, out, as_json)
+
+
+@_command
+def show(result: ResultPath, as_json: Json = False) -> int:
+    """Print a result."""
+    from orthospec.result import read_result, spec_of
+    from orthospec.show import show as text
+
+    content = read_result(result)
+    if as_json:
+        _print_json(content)
+    else:
+        _print(text(content, spec=spec_of(result), **_format(sys.stdout)))
+    return HOLDS
+
+
+@_command
+def plugins(as_json: Json = False) -> int:
+    """List the installed manipulators and measures."""
+    from orthospec.show import installed, show_installed
+
+    entries = installed()
+    if as_json:
+        _print_json(entries)
+    else:
+        _print(show_installed(entries, **_format(sys.stdout)))
+    return HOLDS
+
+
+@_command
+def explain(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A manipulator or measure, as specs name it.")],
+) -> int:
+    """Tell what a manipulator or measure is."""
+    from orthospec.show import explain as text
+
+    _print(text(name, **_format(sys.stdout)))
+    return HOLDS
+
+
+@_command
+def schema() -> int:
+    """Print the JSON Schema of spec files."""
+    from orthospec.spec import schema as content
+
+    _print_json(content())
+    return HOLDS
+
+
+def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, as_json: bool) -> int:
+    """Write, print, and say how it went."""
+    from orthospec.result import compose, write_result
+    from orthospec.show import show as text
+
+    content = compose(spec, outcome.finding)
+    if folder is not None:
+        write_result(folder, spec, content, outcome.log)
+    if as_json:
+        _print_json(content)
+    else:
+        _print(text(content, spec=spec, **_format(sys.stdout)))
+    if folder is not None:
+        _tell_folder(folder, as_json)
+    return _code_of(outcome)
+
+
+def _tell_folder(folder: Path, as_json: bool) -> None:
+    if as_json:
+        _say(f"written to {folder}")
+    else:
+        _print(f"\nWritten to {folder}")
+
+
+def _code_of(outcome: Outcome) -> int:
+    finding = outcome.finding
+    if finding.status == "failed" or finding.errors:
+        return PLUGIN
+    if outcome.interrupted or finding.status == "unfinished":
+        return STOPPED
+    if finding.status == "infeasible" or not finding.evaluation.holds:
+        return NOT_MET
+    return HOLDS
+
+
+def _in_a_line(spec: Spec) -> str:
+    counts = {"variable": len(spec.variables), "measure": len(spec.measures), "goal": len(spec.goals)}
+    parts = [f"{count} {what}{'' if count == 1 else 's'}" for what, count in counts.items()]
+    return ", ".join([spec.manipulator.use, *parts])
+
+
+def _values(spec: Spec, text: str) -> dict[str, float]:
+    """The values in ``base=1.5,third=310 mm``."""
+    from orthospec.quantities.fields import resolve
+
+    values = {}
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals or name not in spec.variables:
+            known = ", ".join(spec.variables) or "none"
+            raise UsageError(f"--at {part}: NAME=VALUE of a variable was expected; the variables are {known}")
+        try:
+            values[name] = resolve(value, None, {})
+        except ValueError as error:
+            raise UsageError(f"--at {part}: {error}") from None
+        _warn_outside(spec, name, values[name])
+    return values
+
+
+def _warn_outside(spec: Spec, name: str, value: float) -> None:
+    low, high = spec.variables[name].min, spec.variables[name].max
+    if not low <= value <= high:
+        _say(f"note: {name} = {value:g} is outside its range {low:g} ... {high:g}")

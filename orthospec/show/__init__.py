@@ -1,0 +1,7 @@
+"""Text for the terminal: a result as a person reads it, what is known of the plugins, and progress."""
+
+from orthospec.show.plugins import explain, installed, show_installed
+from orthospec.show.progress import ProgressLine
+from orthospec.show.result import show
+
+__all__ = ["ProgressLine", "explain", "installed", "show", "show_installed"]

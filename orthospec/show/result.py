@@ -1,0 +1,224 @@
+"""A result as a person reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from orthospec.result import Result
+from orthospec.result.model import DesignRecord, Ends, LargestRecord, MeasureRecord, PrescribedRecord
+from orthospec.show import words
+from orthospec.show.labels import Labels, labels
+from orthospec.show.numbers import UNKNOWN, Numbers
+from orthospec.show.page import Page
+
+if TYPE_CHECKING:
+    from orthospec.spec import Spec
+
+MOST_POSES = 4
+"""Poses of one limit that are listed; a symmetric machine has many alike."""
+
+
+def show(content: Mapping[str, Any], *, width: int, colour: bool, spec: Spec | None = None) -> str:
+    """The text of a result; with its spec, units, bounds and the goals' words are in it too."""
+    result = Result.model_validate(content)
+    known = labels(spec, result.variables)
+    page = Page(width=width, colour=colour)
+    _Writer(page, result, known, Numbers(_is_small(result, known))).write()
+    return str(page)
+
+
+def _is_small(result: Result, known: Labels) -> bool:
+    """Whether the prescribed cuboid is smaller than a metre."""
+    size = list(known.size)
+    places = [result.workspace.prescribed, *(one.prescribed for one in result.workspace.measures.values())]
+    for place in places:
+        if place is not None and not size:
+            size = [(b or 0.0) - (a or 0.0) for a, b in zip(place.min, place.max, strict=True)]
+    return bool(size) and max(size) < 1.0
+
+
+@dataclass(frozen=True)
+class _Writer:
+    page: Page
+    result: Result
+    known: Labels
+    numbers: Numbers
+
+    def write(self) -> None:
+        self._status()
+        self._goals()
+        self._variables()
+        self._machine()
+        self._workspace()
+        self._measures()
+        self._limits()
+        self._sweep()
+        self._errors()
+
+    def _status(self) -> None:
+        self.page.heading(self.result.title or str(self.result.manipulator["use"]))
+        manner, said = words.status(self.result)
+        self.page.sentence(said, manner=manner)
+        if self.result.search is not None and self.result.status == "infeasible":
+            self.page.sentence(words.searched(self.result.search))
+
+    def _goals(self) -> None:
+        attainment = self.result.attainment
+        if attainment is None:
+            return
+        self.page.heading("Goals")
+        rows = [tuple(self.page.paint(head, "dim") for head in ("", "value", "aimed at", "weight", "", ""))]
+        for name, goal in attainment.goals.items():
+            aim = self.known.goals.get(name)
+            unit = aim.unit if aim else UNKNOWN
+            weight = "hard" if goal.weight == 0 else f"{goal.weight:.6g}"
+            value, target = self.numbers.value(goal.value, unit), self.numbers.value(goal.goal, unit)
+            gap = None if goal.value is None else abs(goal.value - goal.goal)
+            missed = "missed" if gap is None else f"missed by {self.numbers.value(gap, unit)}"
+            verdict = self.page.paint("met", "good") if goal.attained else self.page.paint(missed, "warn")
+            rows.append((name, value, target, weight, aim.words if aim else "", verdict))
+        self.page.rows(rows, right=frozenset({1, 2, 3}))
+
+    def _variables(self) -> None:
+        if not self.result.variables:
+            return
+        self.page.heading("Design variables")
+        rows = []
+        for name, value in self.result.variables.items():
+            unit, range_ = self.known.variables.get(name, UNKNOWN), self.known.ranges.get(name)
+            within = f"within {self.numbers.interval(range_.min, range_.max, unit)}" if range_ else ""
+            rows.append((name, self.numbers.value(value, unit), within))
+        self.page.rows(rows, right=frozenset({1}))
+
+    def _machine(self) -> None:
+        machine = dict(self.result.manipulator)
+        self.page.heading(f"Machine: {machine.pop('use')}")
+        units = self.known.fields
+        fields = [
+            (name, words.field_value(self.numbers, value, units.get(name.split(".")[0], UNKNOWN)))
+            for name, value in words.flat(machine)
+        ]
+        indices = [
+            (name, self.numbers.value(value, self.known.indices.get(name, UNKNOWN)))
+            for name, value in self.result.indices.items()
+        ]
+        joints = list(self._joints(self.result.joints)) if self.result.joints else []
+        self.page.rows([*fields, *indices, *joints])
+
+    def _joints(self, joints: Ends) -> Iterator[tuple[str, str]]:
+        """The range of each joint over the prescribed cuboid; equal ones in one line."""
+        units = (*self.known.joints, *[UNKNOWN] * len(joints.min))
+        texts = [self.numbers.interval(*end) for end in zip(joints.min, joints.max, units, strict=False)]
+        for text in dict.fromkeys(texts):
+            which = [str(k) for k, other in enumerate(texts, start=1) if other == text]
+            yield f"joint{'s' if len(which) > 1 else ''} {', '.join(which)}", text
+
+    def _workspace(self) -> None:
+        workspace = self.result.workspace
+        if workspace.joint is None:
+            return
+        self.page.heading("Workspace")
+        if workspace.prescribed is not None:
+            self._prescribed(workspace.prescribed)
+        else:
+            self.page.sentence("prescribed cuboid: no place was found for it", manner="bad")
+        self._largest(workspace.joint)
+
+    def _prescribed(self, place: PrescribedRecord, indent: int = 2) -> None:
+        size = self.numbers.edges(place.min, place.max, self.known.axes)
+        verdict = ("every bound holds", "good") if place.holds else ("not every bound holds", "bad")
+        text = f"{size}, {self.page.paint(*verdict)}"
+        self.page.rows([("prescribed cuboid", text)], indent=indent)
+        self._corners(place, indent + 2)
+
+    def _largest(self, largest: LargestRecord) -> None:
+        if largest.min is None or largest.max is None:
+            self.page.rows([("largest cuboid   ", "none")])
+        else:
+            size = self.numbers.edges(largest.min, largest.max, self.known.axes)
+            self.page.rows([("largest cuboid   ", f"{size}, scale {largest.scale:.6g}")])
+            self._corners(Ends(min=list(largest.min), max=list(largest.max)), 4)
+        places = f" in {largest.ties} places" if largest.ties > 1 else ""
+        self.page.sentence(f"on the grid alone: scale {largest.grid_scale:.6g}{places}", indent=4)
+        self.page.sentence(f"nodes: {words.nodes(largest.nodes)}", indent=4)
+
+    def _corners(self, ends: Ends, indent: int) -> None:
+        for label, corner in (("from", ends.min), ("to  ", ends.max)):
+            self.page.rows([(label, self.numbers.pose(corner, self.known.axes))], indent=indent)
+
+    def _measures(self) -> None:
+        if not self.result.workspace.measures:
+            return
+        self.page.heading("Measures over the prescribed cuboid")
+        for name, record in self.result.workspace.measures.items():
+            asked = self.known.measures.get(name)
+            unit = asked.unit if asked else UNKNOWN
+            limits = words.bounds(self.numbers, asked.bounds, unit) if asked else ""
+            self.page.sentence(", ".join(filter(None, (f"{name}: {asked.use}" if asked else name, limits))))
+            self.page.rows(list(self._measure(record, unit)), indent=4)
+            self.page.rows(list(self._poses(record, unit)), indent=4)
+            if record.prescribed is not None:
+                self._prescribed(record.prescribed, indent=4)
+
+    def _measure(self, record: MeasureRecord, unit: str) -> Iterator[tuple[str, ...]]:
+        numbers = self.numbers
+        for name, extreme in (("lowest", record.lowest), ("highest", record.highest)):
+            at = f"at {numbers.pose(extreme.at, self.known.axes)}" if extreme else "not known: out of reach"
+            yield name, numbers.value(extreme.value if extreme else None, unit), at
+        if record.scale is not None and record.grid_scale is not None:
+            yield "own scale", f"{record.scale:.6g}", f"on the grid alone {record.grid_scale:.6g}"
+        for level in record.levels:
+            bound = words.bounds(numbers, {side: getattr(level, side) for side in words.SIDES}, unit)
+            yield f"scale, {bound}", f"{level.scale:.6g}", f"on the grid alone {level.grid_scale:.6g}"
+
+    def _poses(self, record: MeasureRecord, unit: str) -> Iterator[tuple[str, str]]:
+        for name, values in record.poses.items():
+            ends = dict.fromkeys(self.numbers.value(value, unit) for value in values or [])
+            yield f"at {name}", " ... ".join(ends) or "out of reach"
+
+    def _limits(self) -> None:
+        if not self.result.limits:
+            return
+        conflict = self.result.status == "infeasible"
+        self.page.heading("What conflicts" if conflict else "What limits the design")
+        for limit in self.result.limits:
+            self.page.sentence(words.limiting(limit, self.known, self.numbers))
+            for pose in limit.at[:MOST_POSES]:
+                self.page.sentence(f"at {self.numbers.pose(pose, self.known.axes)}", indent=4)
+            if len(limit.at) > MOST_POSES:
+                self.page.sentence(f"and at {len(limit.at) - MOST_POSES} more", indent=4)
+            self.page.sentence(words.price(limit), indent=4)
+
+    def _sweep(self) -> None:
+        sweep = self.result.sweep
+        if not sweep:
+            return
+        names = [n for n in sweep[0].variables if len({one.variables.get(n) for one in sweep}) > 1]
+        self.page.heading(f"Sweep along {', '.join(names)}")
+        measures = list(sweep[0].workspace.measures)
+        head = [*names, "holds", *(["scale"] if sweep[0].workspace.joint else [])]
+        head += [f"{name} {end}" for name in measures for end in ("lowest", "highest")]
+        self.page.table(head, [self._swept(one, names) for one in sweep])
+
+    def _swept(self, one: DesignRecord, names: list[str]) -> list[str]:
+        numbers, workspace = self.numbers, one.workspace
+        row = [numbers.value(one.variables.get(n), self.known.variables.get(n, UNKNOWN)) for n in names]
+        row.append("yes" if words.holds(one) else "no")
+        if workspace.joint is not None:
+            row.append(f"{workspace.joint.scale:.6g}")
+        for name, record in workspace.measures.items():
+            unit = self.known.measures[name].unit if name in self.known.measures else UNKNOWN
+            row += [
+                numbers.value(end.value if end else None, unit) for end in (record.lowest, record.highest)
+            ]
+        return row
+
+    def _errors(self) -> None:
+        if not self.result.errors:
+            return
+        self.page.heading("Failures")
+        for error in self.result.errors:
+            place = f" ({error.place})" if error.place else ""
+            self.page.sentence(f"{error.name}{place}: {error.message}", manner="bad")
