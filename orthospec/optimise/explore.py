@@ -29,6 +29,8 @@ KEPT = 3
 """Starts that go on to the local solver."""
 DISTINCT = 0.02
 """Starts nearer than this, as a part of the variables' ranges, are one."""
+SMALLEST = 1e-4
+"""The least scale that a start may have."""
 SCALES = (1e-3, 1e3)
 """Range of μ where a goal is about it."""
 
@@ -79,11 +81,13 @@ def start_at(space: DesignSpace, z: Array) -> Start | None:
     whole = _start(space, z, groups, objective, 1.0, Limits(_box(space), _region(space)))
     if np.isfinite(whole.merit):
         return whole
-    limits = Limits(_box(space), _region(space), (1e-3, 1.0), least_scale=1.0)
-    for part in (0.95, 0.6, 0.3):
-        start = _start(space, z, groups, objective, min(1.0, part * max(scale, 0.05)), limits)
+    limits = Limits(_box(space), _region(space), (SMALLEST, 1.0), least_scale=1.0)
+    part = 0.95 * min(1.0, max(scale, 0.05))
+    while part > SMALLEST:
+        start = _start(space, z, groups, objective, part, limits)
         if np.isfinite(start.merit):
             return start
+        part /= 3
     return None
 
 

@@ -30,6 +30,8 @@ ACTIVE = 1e-6
 PERCENT = 0.01
 PART = 1e-3
 """A condition conflicts when it has more than this part in the least violation."""
+ROUNDING = 1e-8
+"""A price below this, relative to the unit of λ, is none."""
 SUBPROBLEMS = 40
 """Most subproblems spent on one price."""
 
@@ -52,8 +54,13 @@ class _Binding:
 
 def find_limits(found: Attained) -> tuple[Limit, ...]:
     """Each thing that binds at an optimum, with its prices, the largest gain first."""
-    limits = [_priced(found, binding) for binding in _bindings(found)]
-    return tuple(sorted(limits, key=lambda limit: (-(limit.gain or 0.0), -(limit.cost or 0.0), limit.name)))
+    return tuple(sorted((_priced(found, binding) for binding in _bindings(found)), key=_order))
+
+
+def _order(limit: Limit) -> tuple[float, float, str, str]:
+    """By gain, then cost, then name; to six digits, so that rounding does not decide between equals."""
+    gain, cost = (float(f"{price or 0.0:.6g}") for price in (limit.gain, limit.cost))
+    return (-gain, -cost, limit.kind, limit.name)
 
 
 def find_conflicts(found: Attained) -> tuple[Limit, ...]:
@@ -67,7 +74,7 @@ def find_conflicts(found: Attained) -> tuple[Limit, ...]:
     at = problem.critical(found.x, math.inf)
     limits = [
         Limit(c.kind, c.name, c.side, tuple(at[c][:1]), None, None)
-        for c, share in sorted(shares.items(), key=lambda item: -item[1])
+        for c, share in sorted(shares.items(), key=lambda item: (-round(item[1] / whole, 6), item[0].name))
         if share > PART * whole
     ]
     goals = {
@@ -141,9 +148,15 @@ def _goal_bindings(found: Attained) -> Iterator[_Binding]:
 def _priced(found: Attained, binding: _Binding) -> Limit:
     best = found.factor * found.start.objective.unit
     looser, tighter = (_factor(found, shift) for shift in (binding.loosened, binding.tightened))
-    gain = None if looser is None else max(0.0, best - looser)
-    cost = None if tighter is None else max(0.0, tighter - best)
+    noise = ROUNDING * found.start.objective.unit
+    gain = None if looser is None else _price(best - looser, noise)
+    cost = None if tighter is None else _price(tighter - best, noise)
     return replace(binding.limit, gain=gain, cost=cost)
+
+
+def _price(price: float, noise: float) -> float:
+    """A price, 0 where it is no more than the solver's rounding."""
+    return price if price > noise else 0.0
 
 
 def _factor(found: Attained, shift: _Shift | None) -> float | None:

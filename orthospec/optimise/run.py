@@ -97,7 +97,7 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
         found.starts,
         best.subproblems if best is not None else 0,
         None if best is not None and best.feasible else (best.violation if best is not None else None),
-        _sentences(limits) if status == "infeasible" else (),
+        _conflicts(best, limits) if status == "infeasible" else (),
     )
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
     return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, found.interrupted)
@@ -174,8 +174,10 @@ def _limits(best: Attained | None, status: Status, progress: Progress | None) ->
     return find_conflicts(best) if status == "infeasible" else find_limits(best)
 
 
-def _sentences(limits: tuple[Limit, ...]) -> tuple[str, ...]:
+def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, ...]:
     """Each thing that conflicts, named as the spec names it."""
+    if best is None:
+        return ("at none of these designs does the machine reach the poses of any cuboid to start from",)
     words = {"at_least": "least", "at_most": "greatest"}
     found = []
     for limit in limits:

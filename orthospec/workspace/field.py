@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Poses
 
-BLOCK = 1 << 16
+BLOCK = 1 << 15
 """Poses to a block: bounded memory whatever the grid."""
 
 Progress = Callable[[str, int, int], None]
