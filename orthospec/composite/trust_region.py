@@ -184,6 +184,10 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
         return _shrink(state, state.radius)
     state.rows, state.step = rows, step
     predicted = state.merit(state.here) - _model(state, step, curvature)
+    if predicted < -SETTLED and (again := problem.assess(x)).violation > state.here.violation + SETTLED:
+        # Points that a trial elsewhere brought to light are worse here than what was known of here.
+        state.here = again
+        return None
     if predicted <= SETTLED * max(1.0, abs(state.here.factor)):
         sharpened = _sharpen(problem, state, step, smooth)
         return None if sharpened else _settle(problem, state)

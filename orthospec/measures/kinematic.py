@@ -41,11 +41,13 @@ def transmission_factors(inverse_jacobian: Matrices) -> Array:
 
 
 def logarithmic_stretch(inverse_jacobian: Matrices) -> Matrices:
-    """H = −½ ln(J⁻ᵀ J⁻¹) (n, m, m), symmetric."""
-    eigenvalues, vectors = np.linalg.eigh(np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian)
+    """H = −½ ln(J⁻ᵀ J⁻¹) (n, m, m), symmetric; NaN from what is not finite."""
+    known = np.isfinite(inverse_jacobian).all(axis=(1, 2), keepdims=True)
+    safe = np.where(known, inverse_jacobian, np.eye(inverse_jacobian.shape[1]))
+    eigenvalues, vectors = np.linalg.eigh(np.swapaxes(safe, 1, 2) @ safe)
     with np.errstate(divide="ignore", invalid="ignore"):
         stretch = (vectors * (-0.5 * np.log(eigenvalues))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
-    return np.asarray((stretch + np.swapaxes(stretch, 1, 2)) / 2)
+    return np.where(known, (stretch + np.swapaxes(stretch, 1, 2)) / 2, np.nan)
 
 
 def _stretch_form(manipulator: Manipulator, poses: Poses, holds: Any) -> ConvexForm:

@@ -63,7 +63,7 @@ def inverse_jacobian(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Matri
 
 
 def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
-    """(s_i·e_i / L_i)² less the clearance (n, 3): >= 0 where leg i closes its loop, polynomial in the pose."""
+    """(s_i·e_i / L_i)² less the clearance (n, 3): >= 0 where leg i closes its loop, smooth in the pose."""
     d = poses[:, None, :] + (machine.joints - machine.bases)
     along = np.einsum("nik,ik->ni", d, machine.axes)
     return _closing(machine, d, along) / machine.lengths**2 - CLEARANCE**2

@@ -47,7 +47,7 @@ class Start:
 
 
 def candidates(space: DesignSpace) -> Iterator[Array]:
-    """The spec's own start, then a Kronecker sequence of the generalised golden ratio, shifted by the seed."""
+    """The spec's own start, then a Kronecker sequence of the golden ratio's kin, shifted by the seed."""
     yield space.scaled(space.spec.default_values())
     k = len(space.names)
     ratio = 2.0

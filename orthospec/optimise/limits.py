@@ -2,8 +2,8 @@
 
 At an optimum each bound, joint limit, variable's range and goal that binds is moved by one per cent, to
 either side, and the problem solved again from there: ``gain`` is what λ falls by when it is loosened,
-``cost`` what it rises by when tightened. The two differ where several bounds bind at one pose, and the solver's
-multipliers, which are not unique there, are neither.
+``cost`` what it rises by when tightened. The two differ where several bounds bind at one pose, and the
+solver's multipliers, which are not unique there, are neither.
 """
 
 from __future__ import annotations

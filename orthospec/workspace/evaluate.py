@@ -265,6 +265,8 @@ def _at_poses(
     block = np.array(list(poses.values()), dtype=float)
     reachable = machine.manipulator.inverse_kinematics(block)[1]
     found: dict[str, tuple[float, ...] | None] = dict.fromkeys(poses)
+    if not reachable.any():
+        return found
     values = measured(demand, machine.manipulator, block[reachable])
     for name, value in zip(np.array(list(poses))[reachable], values, strict=True):
         found[str(name)] = tuple(map(float, np.atleast_1d(value))) if not np.isnan(value).any() else None

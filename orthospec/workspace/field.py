@@ -92,8 +92,12 @@ def node_states(
     for start in range(0, grid.nodes, BLOCK):
         poses = grid.poses(start, start + BLOCK)
         reachable = manipulator.inverse_kinematics(poses)[1]
+        if progress is not None:
+            progress("grid", min(start + BLOCK, grid.nodes), grid.nodes)
         inside = poses[reachable]
         inside.flags.writeable = False
+        if len(inside) == 0:
+            continue
         values: dict[int, Array] = {}
         for k, demand in enumerate(demands):
             if id(demand.measure) not in values:
@@ -107,8 +111,6 @@ def node_states(
                 failures[demand.name] = Failure(demand.name, pose, demand.place)
         if not demands:
             states[0][start : start + len(poses)][reachable] = State.MEETS
-        if progress is not None:
-            progress("grid", min(start + BLOCK, grid.nodes), grid.nodes)
     return [state.reshape(grid.shape) for state in states], list(failures.values())
 
 

@@ -6,7 +6,7 @@ grow: a grid under-reports by up to two steps, and may over-report between its n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,12 @@ from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
+
+
+SMALLEST = 1e-3
+"""The scale that a cuboid of a single node is given to start from."""
+SHRINKINGS = 12
+"""How often a start is shrunk."""
 
 
 @dataclass(frozen=True)
@@ -65,15 +71,33 @@ def polish(
     None where no start led to one. Error below 1e-6 of the size where the measures are smooth.
     """
     best: Polished | None = None
-    none = np.zeros(0)
     for start in starts:
-        scale = float(np.max(start.size / size))
-        # A start of one node is given some room, or no direction would change anything.
-        first = max(scale, 1e-3)
-        limits = Limits((none, none), region, scale=(1e-9, max(1e3, 10 * first)))
-        group = Group(tuple(names), tuple(start.centre))
-        problem = FitProblem(lambda _: machine, size, [group], LargestScale(), limits, (none, first))
-        found = minimise(problem, problem.start)
-        if found.violation <= FEASIBLE and (best is None or -found.factor > best.scale):
-            best = Polished(-found.factor, problem.cuboids(found.x)[0])
+        for problem in _problems(machine, names, size, start, region):
+            found = minimise(problem, problem.start)
+            if found.violation <= FEASIBLE:
+                if best is None or -found.factor > best.scale:
+                    best = Polished(-found.factor, problem.cuboids(found.x)[0])
+                break
     return best
+
+
+def _problems(
+    machine: Machine, names: Sequence[str], size: Array, start: Cuboid, region: Cuboid | None
+) -> Iterator[FitProblem]:
+    """The problem from a grid cuboid; then from the first smaller one in which everything holds.
+
+    The second serves where a singular pose hides between the nodes of the first.
+    """
+    none = np.zeros(0)
+    group = Group(tuple(names), tuple(start.centre))
+    # A cuboid of one node is given some room, or no direction would change anything.
+    scale = max(float(np.max(start.size / size)), SMALLEST)
+    limits = Limits((none, none), region, scale=(1e-9, max(1e3, 10 * scale)))
+    for shrinking in range(SHRINKINGS):
+        problem = FitProblem(lambda _: machine, size, [group], LargestScale(), limits, (none, scale))
+        violation = problem.assess(problem.start).violation
+        if violation <= FEASIBLE or (shrinking == 0 and np.isfinite(violation)):
+            yield problem
+        if shrinking and violation <= FEASIBLE:
+            return
+        scale *= 0.7
