@@ -29,6 +29,8 @@ MOST = 27
 """Most critical points kept of one function."""
 COMPASS = 3
 """Rounds of compass search, each halving its step."""
+CLIMB = 30
+"""Rounds of the last climb, to a step of 2e-11."""
 NEWTON = (2e-3, 2e-4)
 """Steps of the differences of the Newton rounds."""
 
@@ -103,10 +105,28 @@ def _own(functions: Functions, points: Array, of: NDArray[np.intp]) -> Array:
 
 
 def _refine(functions: Functions, u: Array, of: NDArray[np.intp], step: float) -> Peaks:
-    value = _own(functions, u, of)
+    peaks = _compass(functions, Peaks(u, of, _own(functions, u, of)), step, COMPASS)
+    u, value = peaks.u, peaks.value
+    step /= 2**COMPASS
+    for h in NEWTON:
+        u, value = _newton(functions, u, of, value, h, 2 * step)
+        step = min(step, 50 * h)
+    return Peaks(u, of, value)
+
+
+def highest_peaks(functions: Functions, peaks: Peaks, count: int) -> Peaks:
+    """The best peak of each of ``count`` functions, climbed to the top where a ridge or cone stops Newton."""
+    of = [np.flatnonzero(peaks.of == k) for k in range(count)]
+    best = [int(mine[peaks.value[mine].argmax()]) for mine in of]
+    return _compass(functions, Peaks(peaks.u[best], peaks.of[best], peaks.value[best]), 0.02, CLIMB)
+
+
+def _compass(functions: Functions, peaks: Peaks, step: float, rounds: int) -> Peaks:
+    """Compass search from each peak with a step that halves each round."""
+    u, of, value = peaks
     d = u.shape[1]
     star = np.array([s for s in product((-1.0, 0.0, 1.0), repeat=d) if any(s)])
-    for _ in range(COMPASS):
+    for _ in range(rounds):
         tries = np.clip(u[:, None, :] + step * star, -0.5, 0.5)
         found = _own(functions, tries.reshape(-1, d), np.repeat(of, len(star))).reshape(len(u), len(star))
         best = found.argmax(axis=1)
@@ -115,9 +135,6 @@ def _refine(functions: Functions, u: Array, of: NDArray[np.intp], step: float) -
         u = np.where(better[:, None], tries[here, best], u)
         value = np.where(better, found[here, best], value)
         step /= 2
-    for h in NEWTON:
-        u, value = _newton(functions, u, of, value, h, 2 * step)
-        step = min(step, 50 * h)
     return Peaks(u, of, value)
 
 

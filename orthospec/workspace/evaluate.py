@@ -12,7 +12,7 @@ from orthospec.composite.trust_region import FEASIBLE
 from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand, Level
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
-from orthospec.workspace.critical import find_peaks
+from orthospec.workspace.critical import find_peaks, highest_peaks
 from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
 from orthospec.workspace.field import Failure, Progress, State, measured, node_states, together
 from orthospec.workspace.grid import Grid, make_grid
@@ -224,14 +224,12 @@ def _greatest(
     terms: list[Condition | Extreme] = [*conditions, *extremes]
     if not terms:
         return {}
-    peaks = find_peaks(functions, len(place.low), nodes=FINE)
-    found = {}
-    for k, term in enumerate(terms):
-        mine = np.flatnonzero(peaks.of == k)
-        best = mine[int(peaks.value[mine].argmax())]
-        pose = place.poses(peaks.u[best : best + 1], axes)[0]
-        found[term] = (float(peaks.value[best]), tuple(map(float, pose)))
-    return found
+    peaks = highest_peaks(functions, find_peaks(functions, len(place.low), nodes=FINE), len(terms))
+    poses = place.poses(peaks.u, axes)
+    return {
+        term: (float(value), tuple(map(float, pose)))
+        for term, value, pose in zip(terms, peaks.value, poses, strict=True)
+    }
 
 
 def _extremes(

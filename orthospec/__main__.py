@@ -1,0 +1,5 @@
+"""``python -m orthospec``."""
+
+from orthospec.cli import main
+
+main()
