@@ -31,7 +31,7 @@ class Page:
         """A heading, with a line left free before it."""
         if self._lines:
             self._lines.append("")
-        self._lines.append(self.paint(text, "bold"))
+        self.sentence(text, indent=0, manner="bold")
 
     def gap(self) -> None:
         """A line left free."""
@@ -40,15 +40,8 @@ class Page:
     def sentence(self, text: str, *, indent: int = 2, manner: str = "") -> None:
         """Words, wrapped."""
         lead = " " * indent
-        for line in textwrap.wrap(
-            text,
-            self._width,
-            initial_indent=lead,
-            subsequent_indent=lead,
-            break_long_words=False,
-            break_on_hyphens=False,
-        ):
-            self._lines.append(self.paint(line, manner) if manner else line)
+        for line in _wrapped(text, self._width - indent):
+            self._lines.append(self.paint(lead + line, manner) if manner else lead + line)
 
     def rows(
         self, rows: Sequence[Sequence[str]], *, indent: int = 2, right: frozenset[int] = frozenset()
@@ -62,12 +55,11 @@ class Page:
                 _padded(cell, width, right=k in right)
                 for k, (cell, width) in enumerate(zip(row, widths, strict=False))
             ]
-            self._row(
-                " " * indent + "  ".join(cells[:-1]), row[-1] if len(row) - 1 not in right else cells[-1]
-            )
+            last = cells[-1] if len(row) - 1 in right else row[-1]
+            self._row("  ".join(cells[:-1]), last, indent)
 
     def table(self, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-        """Rows under a dim head, numbers at the right; columns that do not fit are left out."""
+        """Rows under a dim head, numbers at the right; columns that do not fit are only named."""
         every = [list(head), *(list(row) for row in rows)]
         fitting = len(head)
         while fitting > 1 and self._needs(every, fitting) > self._width:
@@ -75,20 +67,27 @@ class Page:
         first = len(self._lines)
         self.rows([row[:fitting] for row in every], right=frozenset(range(1, fitting)))
         self._lines[first] = self.paint(self._lines[first], "dim")
+        if fitting < len(head):
+            self.sentence(f"more columns than fit here: {', '.join(head[fitting:])}", manner="dim")
 
     def _needs(self, rows: Sequence[Sequence[str]], columns: int) -> int:
         return sum(2 + max(_length(row[k]) for row in rows) for k in range(columns))
 
-    def _row(self, lead: str, last: str) -> None:
-        """The last cell behind the others, and on lines of its own below where it is too long for one."""
-        gap = f"{lead}  " if lead.strip() else lead
+    def _row(self, lead: str, last: str, indent: int) -> None:
+        """The last cell behind the others, wrapped there or, where that is too narrow, below."""
+        gap = " " * indent + (f"{lead}  " if lead else "")
         room = self._width - _length(gap)
-        if _length(last) <= room or room < 20 or _CODE.search(last):
-            self._lines.append(gap + last)
+        wrapped = [last] if _length(last) <= room else _wrapped(last, max(room, 1))
+        if max(map(_length, wrapped), default=0) > room:
+            self._lines.append(gap)
+            self.sentence(last, indent=indent + 2)
             return
-        wrapped = textwrap.wrap(last, room, break_long_words=False, break_on_hyphens=False)
-        self._lines.append(gap + wrapped[0])
+        self._lines.append(gap + (wrapped[0] if wrapped else ""))
         self._lines.extend(" " * _length(gap) + line for line in wrapped[1:])
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _length(text: str) -> int:

@@ -78,7 +78,7 @@ class _Writer:
             gap = None if goal.value is None else abs(goal.value - goal.goal)
             missed = "missed" if gap is None else f"missed by {self.numbers.value(gap, unit)}"
             verdict = self.page.paint("met", "good") if goal.attained else self.page.paint(missed, "warn")
-            rows.append((name, value, target, weight, aim.words if aim else "", verdict))
+            rows.append((name, value, target, weight, verdict, aim.words if aim else ""))
         self.page.rows(rows, right=frozenset({1, 2, 3}))
 
     def _variables(self) -> None:

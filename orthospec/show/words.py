@@ -21,12 +21,14 @@ def status(result: Result) -> tuple[str, str]:
     factor = result.attainment.factor if result.attainment else None
     with_factor = "" if factor is None else f" (λ = {factor:.6g})"
     evaluated = ("good", "every bound holds") if holds(result) else ("bad", "not every bound holds")
+    found = result.search is not None and result.search.subproblems > 0
+    so_far = "the best design found so far" if found else "the design that the search starts from"
     return {
         "attained": ("good", f"Attained: every bound holds and every goal is met{with_factor}."),
         "compromise": ("warn", f"Best compromise: every bound holds, not every goal is met{with_factor}."),
         "infeasible": ("bad", "No design was found in which every bound holds."),
         "evaluated": (evaluated[0], f"Evaluated: {evaluated[1]} in the prescribed cuboid."),
-        "unfinished": ("warn", "Stopped before the end; what follows is the best design found so far."),
+        "unfinished": ("warn", f"Stopped before the end; what follows is {so_far}."),
         "failed": ("bad", "A plugin failed; what follows is what could still be found."),
     }[result.status]
 
@@ -36,7 +38,7 @@ def searched(search: SearchRecord) -> str:
     designs = f"{search.designs} design{'' if search.designs == 1 else 's'}"
     solves = f"{search.starts} local solve{'' if search.starts == 1 else 's'}"
     if search.least_violation is None:
-        return f"Searched: {designs} on a coarse grid, {solves}."
+        return f"Searched: {designs} on a coarse grid, {solves}. What follows is the start."
     worst = percent(search.least_violation)
     return (
         f"Searched: {designs} on a coarse grid, {solves}. The best point found misses its bounds by {worst}; "
