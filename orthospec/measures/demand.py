@@ -67,4 +67,4 @@ def excess(values: Array, bound: float, side: str) -> Array:
         return difference
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = sign * np.log(bounded / bound)
-    return np.where(bounded > 0, ratio, difference if side == "at_most" else np.inf)
+    return np.where(bounded <= 0, difference if side == "at_most" else np.inf, ratio)

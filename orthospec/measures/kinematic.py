@@ -114,7 +114,7 @@ class Manipulability(Measure):
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """|det J|, (n,); inf at a parallel singularity."""
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(1.0 / np.abs(np.linalg.det(manipulator.inverse_jacobian(poses))))
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002

@@ -1,0 +1,84 @@
+"""What several test files share: specs as text, expensive solves once, and 50-digit references."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import mpmath
+import pytest
+
+from orthospec.optimise import Outcome, evaluate_spec, solve
+from orthospec.spec import Spec, load_spec
+
+SPECS = Path(__file__).parents[1] / "specs"
+
+mpmath.mp.dps = 50
+
+
+@pytest.fixture(scope="session")
+def spec_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Spec]:
+    """A spec from its text; ``settings`` are KEY=VALUE overrides."""
+    folder = tmp_path_factory.mktemp("specs")
+
+    def load(text: str, *settings: str) -> Spec:
+        path = folder / "spec.yaml"
+        path.write_text(text, encoding="utf-8")
+        return load_spec(path, settings)
+
+    return load
+
+
+@pytest.fixture(scope="session")
+def outcome_of() -> Callable[..., Outcome]:
+    """The outcome of a spec in ``specs/``, solved once a session."""
+    known: dict[tuple[str, ...], Outcome] = {}
+
+    def find(name: str, *settings: str) -> Outcome:
+        key = (name, *settings)
+        if key not in known:
+            spec = load_spec(SPECS / f"{name}.yaml", settings)
+            known[key] = solve(spec) if spec.variables else evaluate_spec(spec)
+        return known[key]
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def exact() -> SimpleNamespace:
+    """The Orthoglide in 50 digits, written from its loop equations and not from the code under test."""
+    return SimpleNamespace(sliders=_sliders, inverse_jacobian=_inverse_jacobian, stretch=_stretch)
+
+
+def _sliders(lengths: Sequence[Any], pose: Sequence[Any], branch: Sequence[int] = (1, 1, 1)) -> list[Any]:
+    """Slider i on axis i at the distance L_i from the pose."""
+    found = []
+    for i in range(3):
+        across = sum(mpmath.mpf(pose[k]) ** 2 for k in range(3) if k != i)
+        found.append(mpmath.mpf(pose[i]) + branch[i] * mpmath.sqrt(mpmath.mpf(lengths[i]) ** 2 - across))
+    return found
+
+
+def _inverse_jacobian(
+    lengths: Sequence[Any], pose: Sequence[Any], branch: Sequence[int] = (1, 1, 1)
+) -> mpmath.matrix:
+    """Central differences of the sliders: steps of 1e-16 in 50 digits leave some 1e-32."""
+    h = mpmath.mpf(10) ** -16
+    found = mpmath.matrix(3, 3)
+    for k in range(3):
+        ends = []
+        for step in (h, -h):
+            moved = [mpmath.mpf(p) for p in pose]
+            moved[k] += step
+            ends.append(_sliders(lengths, moved, branch))
+        for i in range(3):
+            found[i, k] = (ends[0][i] - ends[1][i]) / (2 * h)
+    return found
+
+
+def _stretch(inverse_jacobian: mpmath.matrix) -> mpmath.matrix:
+    """−½ ln(J⁻ᵀJ⁻¹)."""
+    eigenvalues, vectors = mpmath.eigsy(inverse_jacobian.T * inverse_jacobian)
+    return vectors * mpmath.diag([-mpmath.log(e) / 2 for e in eigenvalues]) * vectors.T

@@ -1,0 +1,99 @@
+"""The family of prismatic-leg machines: loops close, J⁻¹ is the derivative, margins have the right signs."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from orthospec.mechanics import prismatic
+from orthospec.mechanics.prismatic import CLEARANCE, PrismaticLegs
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def random_machine(random: np.random.Generator) -> PrismaticLegs:
+    """Tilted rails, as of a linear Delta that somebody leaned against."""
+    axes = np.eye(3) + random.uniform(-0.3, 0.3, (3, 3))
+    return PrismaticLegs(
+        axes=axes / np.linalg.norm(axes, axis=1)[:, None],
+        bases=random.uniform(-0.2, 0.2, (3, 3)),
+        joints=random.uniform(-0.2, 0.2, (3, 3)),
+        lengths=random.uniform(1.0, 2.0, 3),
+        branches=random.choice([1.0, -1.0], 3),
+    )
+
+
+def exact_sliders(machine: PrismaticLegs, pose) -> list:
+    """The root of |b + ρe − p − c|² = L² on the branch's side, in 50 digits."""
+    found = []
+    for e, b, c, length, sign in zip(*machine, strict=True):
+        d = [mpmath.mpf(float(c[k])) - mpmath.mpf(float(b[k])) + pose[k] for k in range(3)]
+        half = sum(mpmath.mpf(float(e[k])) * d[k] for k in range(3))
+        square = sum(mpmath.mpf(float(e[k])) ** 2 for k in range(3))
+        rest = sum(x * x for x in d) - mpmath.mpf(float(length)) ** 2
+        found.append((half + int(sign) * mpmath.sqrt(half**2 - square * rest)) / square)
+    return found
+
+
+@settings(max_examples=50, deadline=None)
+@given(seeds)
+def test_legs_have_their_lengths_and_stand_on_their_branch(seed):
+    random = np.random.default_rng(seed)
+    machine, poses = random_machine(random), random.uniform(-0.3, 0.3, (20, 3))
+    s = prismatic.legs(machine, poses, prismatic.sliders(machine, poses))
+    np.testing.assert_allclose(np.linalg.norm(s, axis=2), np.tile(machine.lengths, (20, 1)), rtol=1e-12)
+    along = np.einsum("nik,ik->ni", s, machine.axes)
+    assert (along * machine.branches > 0).all()
+
+
+@settings(max_examples=20, deadline=None)
+@given(seeds)
+def test_inverse_jacobian_is_the_derivative_of_the_sliders(seed):
+    random = np.random.default_rng(seed)
+    machine, poses = random_machine(random), random.uniform(-0.3, 0.3, (1, 3))
+    found = prismatic.inverse_jacobian(machine, poses, prismatic.sliders(machine, poses))[0]
+    h = mpmath.mpf(10) ** -16
+    for k in range(3):
+        ends = []
+        for step in (h, -h):
+            pose = [mpmath.mpf(float(x)) for x in poses[0]]
+            pose[k] += step
+            ends.append(exact_sliders(machine, pose))
+        slope = [float((a - b) / (2 * h)) for a, b in zip(*ends, strict=True)]
+        np.testing.assert_allclose(found[:, k], slope, rtol=1e-9, atol=1e-9)
+
+
+def test_a_leg_too_short_gives_nan_without_a_warning():
+    machine = random_machine(np.random.default_rng(1))
+    far = np.array([[5.0, 5.0, 5.0], [0.0, 0.0, 0.0]])
+    rho = prismatic.sliders(machine, far)
+    assert np.isnan(rho[0]).any()
+    assert np.isfinite(rho[1]).all()
+    assert (prismatic.leg_margins(machine, far)[0] < 0).any()
+    assert np.isnan(prismatic.inverse_jacobian(machine, far, rho)[0]).any()
+
+
+@pytest.mark.parametrize("clear", [0.5, 2.0])
+def test_leg_margin_changes_sign_at_the_clearance_from_the_serial_singularity(clear):
+    machine = PrismaticLegs(np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)), np.full(3, 2.0), np.ones(3))
+    # Leg 1 makes the angle asin(clear·CLEARANCE) with the plane across its slide.
+    y = 2.0 * np.sqrt(1 - (clear * CLEARANCE) ** 2)
+    margin = prismatic.leg_margins(machine, np.array([[0.0, y, 0.0]]))[0, 0]
+    assert margin == pytest.approx((clear**2 - 1) * CLEARANCE**2, rel=1e-4)
+
+
+@settings(max_examples=50, deadline=None)
+@given(seeds)
+def test_assembly_margin_has_the_sign_of_the_determinant(seed):
+    random = np.random.default_rng(seed)
+    machine, poses = random_machine(random), random.uniform(-1.0, 1.0, (200, 3))
+    rho = prismatic.sliders(machine, poses)
+    poses, rho = poses[np.isfinite(rho).all(axis=1)], rho[np.isfinite(rho).all(axis=1)]
+    determinant = np.linalg.det(prismatic.inverse_jacobian(machine, poses, rho))
+    for sign in (1.0, -1.0):
+        margin = prismatic.assembly_margin(machine, poses, rho, sign)
+        clear = np.abs(margin) > 1e-12
+        np.testing.assert_array_equal(np.sign(margin[clear]), sign * np.sign(determinant[clear]))
