@@ -1,0 +1,312 @@
+"""The commands: what they print where, their exit codes, and how little `check` imports."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import orthospec.cli
+import orthospec.optimise
+from orthospec.errors import PluginFault, UsageError
+from orthospec.optimise import Outcome, evaluate_spec
+from orthospec.result import PluginError, Search, read_result
+from orthospec.spec import load_spec
+
+SPEC = """\
+orthospec: 1
+title: A small one
+variables:
+  leg: {min: 250 mm, max: 500 mm, start: 330 mm}
+manipulator: {use: orthoglide, leg_lengths: [leg, leg, leg]}
+workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 8}
+measures:
+  transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2}
+goals:
+  length: {minimise: leg, goal: 300 mm}
+optimise: {starts: 1}
+"""
+
+runner = CliRunner()
+
+
+@pytest.fixture
+def spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "small.yaml"
+    path.write_text(SPEC)
+    return path
+
+
+def _orthospec(*arguments: str, code: int = 0, text: str | None = None) -> Any:
+    result = runner.invoke(orthospec.cli.app, list(arguments), input=text)
+    assert result.exit_code == code, result.stdout + result.stderr
+    return result
+
+
+def _solving(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> None:
+    """Let `solve` give the start, with these fields changed: statuses without the work."""
+
+    def solve(problem: Any, *, progress: Any) -> Outcome:
+        progress("grid", 1, 2)
+        outcome = evaluate_spec(problem)
+        interrupted = changes.get("status") == "unfinished"
+        return Outcome(replace(outcome.finding, **changes), {"seconds": {}}, interrupted)
+
+    monkeypatch.setattr(orthospec.optimise, "solve", solve)
+
+
+def test_run_finds_the_legs_of_the_200_mm_cube(spec: Path) -> None:
+    result = _orthospec("run", "small.yaml")
+    assert "  leg  310.583 mm  within 250 ... 500 mm" in result.stdout.splitlines()
+    assert result.stdout.endswith("\nWritten to runs/small\n")
+    content = read_result(spec.parent / "runs" / "small")
+    assert content["status"] == "compromise"
+    assert content["variables"]["leg"] == pytest.approx(0.3105828541, rel=1e-6)
+    shown = _orthospec("show", "runs/small").stdout
+    assert result.stdout.removesuffix("\nWritten to runs/small\n") == shown
+    log = json.loads((spec.parent / "runs" / "small" / "run.log.json").read_text())
+    assert log["seconds"]["optimise"] > 0
+
+
+@pytest.mark.parametrize(
+    ("status", "code"),
+    [("attained", 0), ("compromise", 0), ("infeasible", 3), ("unfinished", 4), ("failed", 5)],
+)
+def test_each_status_has_its_exit_code_and_leaves_a_result(
+    spec: Path, monkeypatch: pytest.MonkeyPatch, status: str, code: int
+) -> None:
+    errors = (PluginError("bad", None, "raised"),) if status == "failed" else ()
+    _solving(monkeypatch, status=status, errors=errors, search=Search(8, 3, 7, None))
+    _orthospec("run", spec.name, "-o", "out", code=code)
+    assert read_result(Path("out"))["status"] == status
+
+
+def test_json_is_all_that_stands_on_standard_output(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _solving(monkeypatch, status="compromise")
+    result = _orthospec("run", spec.name, "--json")
+    assert json.loads(result.stdout) == read_result(Path("runs/small"))
+    assert result.stderr.endswith("written to runs/small\n")
+
+
+def test_a_folder_in_the_way_is_refused_before_the_work(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: Any, **__: Any) -> Outcome:
+        raise AssertionError("worked before it looked")
+
+    monkeypatch.setattr(orthospec.optimise, "solve", never)
+    result = _orthospec("run", spec.name, "-o", str(spec.parent), code=2)
+    assert "holds other files and no result" in result.stderr
+
+
+def test_run_without_variables_evaluates_and_writes(spec: Path) -> None:
+    text = SPEC.replace("  leg: {min: 250 mm, max: 500 mm, start: 330 mm}\n", "")
+    spec.write_text(
+        text.replace("leg, leg, leg", "0.33, 0.33, 0.33").replace("minimise: leg", "minimise: stroke")
+    )
+    _orthospec("run", spec.name)
+    assert read_result(Path("runs/small"))["status"] == "evaluated"
+
+
+def test_evaluate_prints_and_writes_only_on_request(spec: Path) -> None:
+    result = _orthospec("evaluate", spec.name, "--at", "leg=320 mm")
+    assert "  leg  320 mm  within 250 ... 500 mm" in result.stdout.splitlines()
+    assert [path.name for path in spec.parent.iterdir()] == ["small.yaml"]
+    _orthospec("evaluate", spec.name, "-o", "out", "--set", "workspace.divisions=5")
+    assert read_result(Path("out"))["variables"] == {"leg": 0.33}
+    assert load_spec(Path("out/spec.yaml")).workspace.divisions == 5
+
+
+def test_evaluate_of_a_design_that_does_not_hold_is_3(spec: Path) -> None:
+    result = _orthospec("evaluate", spec.name, "--at", "leg=0.3", "--json", code=3)
+    content = json.loads(result.stdout)
+    assert content["status"] == "evaluated"
+    assert not content["workspace"]["prescribed"]["holds"]
+
+
+def test_a_design_outside_its_range_is_evaluated_with_a_note(spec: Path) -> None:
+    result = _orthospec("evaluate", spec.name, "--at", "leg=600 mm")
+    assert "note: leg = 0.6 is outside its range 0.25 ... 0.5" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("at", "said"),
+    [
+        ("bar=1", "the variables are leg"),
+        ("leg", "NAME=VALUE of a variable was expected"),
+        ("leg=", "--at leg=: "),
+        ("leg=1 kilo", "unknown unit 'kilo'"),
+        ("leg=0", "no machine can be built at leg = 0: leg_lengths.0: more than 0 was expected"),
+    ],
+)
+def test_a_design_given_wrongly_is_2(spec: Path, at: str, said: str) -> None:
+    assert said in _orthospec("evaluate", spec.name, "--at", at, code=2).stderr
+
+
+def test_check_tells_what_each_spec_is_and_all_mistakes(spec: Path) -> None:
+    Path("bad.yaml").write_text(SPEC.replace("at_most: 2", "atmost: 2").replace("divisions", "divsions"))
+    result = _orthospec("check", "bad.yaml", "none.yaml", spec.name, code=2)
+    assert result.stdout == "small.yaml: ok (orthoglide, 1 variable, 1 measure, 1 goal)\n"
+    lines = result.stderr.splitlines()
+    assert [line.split(": ")[0] for line in lines] == ["bad.yaml:6:45", "bad.yaml:8:61", "none.yaml"]
+
+
+def test_check_reads_standard_input_and_settings(spec: Path) -> None:
+    assert "-: ok" in _orthospec("check", "-", text=spec.read_text()).stdout
+    result = _orthospec("check", spec.name, "--set", "workspace.divisions=none", code=2)
+    assert "--set workspace.divisions=none" in result.stderr
+
+
+def test_show_tells_what_is_no_result(spec: Path) -> None:
+    assert "this is a spec, not a result" in _orthospec("show", spec.name, code=2).stderr
+    assert "no such file or folder" in _orthospec("show", "nowhere", code=2).stderr
+
+
+def test_show_needs_no_spec_beside_the_result(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _solving(monkeypatch, status="compromise")
+    _orthospec("run", spec.name)
+    Path("runs/small/spec.yaml").unlink()
+    assert "  leg  0.33" in _orthospec("show", "runs/small/result.yaml").stdout.splitlines()
+    assert json.loads(_orthospec("show", "runs/small", "--json").stdout)["variables"] == {"leg": 0.33}
+
+
+def test_plugins_explain_and_schema_print() -> None:
+    assert "orthoglide  orthospec" in _orthospec("plugins").stdout
+    assert {one["name"] for one in json.loads(_orthospec("plugins", "--json").stdout)} >= {"orthoglide"}
+    assert _orthospec("explain", "manipulability").stdout.startswith("manipulability\n")
+    assert "did you mean 'orthoglide'?" in _orthospec("explain", "ortoglide", code=2).stderr
+    assert "leg_lengths" in json.dumps(json.loads(_orthospec("schema").stdout))
+
+
+def test_version_and_help() -> None:
+    assert _orthospec("--version").stdout.startswith("orthospec 0.")
+    text = _orthospec("--help").stdout
+    commands = ["run", "check", "evaluate", "show", "plugins", "explain", "schema"]
+    listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
+    assert listed == commands
+    assert "..." not in text.partition("Commands:\n")[2]
+    for command in commands:
+        assert "Usage:" in _orthospec(command, "-h").stdout
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (UsageError("no such thing"), 2, "no such thing"),
+        (
+            PluginFault("bad", "raised ValueError: no", "small.yaml:8:3"),
+            5,
+            "small.yaml:8:3: plugin bad: raised",
+        ),
+        (KeyboardInterrupt(), 4, "stopped before there was a result"),
+        (KeyError("x"), 1, "fault in orthospec itself: KeyError: 'x' (test_cli.py:"),
+    ],
+)
+def test_what_goes_wrong_has_its_exit_code_and_no_trace(
+    spec: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, code: int, said: str
+) -> None:
+    def failing(*_: Any, **__: Any) -> Outcome:
+        raise error
+
+    monkeypatch.delenv("ORTHOSPEC_TRACEBACK", raising=False)
+    monkeypatch.setattr(orthospec.optimise, "solve", failing)
+    result = _orthospec("run", spec.name, code=code)
+    assert said in result.stderr
+    assert "Traceback" not in result.stderr
+    assert not Path("runs").exists()
+
+
+def test_the_trace_of_a_fault_is_shown_on_request(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: Any, **__: Any) -> Outcome:
+        raise KeyError("x")
+
+    monkeypatch.setenv("ORTHOSPEC_TRACEBACK", "1")
+    monkeypatch.setattr(orthospec.optimise, "solve", failing)
+    assert "Traceback (most recent call last)" in _orthospec("run", spec.name, code=1).stderr
+
+
+def _python(script: str, *arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", script, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, **options)
+
+
+MAIN = "import sys; from orthospec.cli import main; main()"
+CHECK = f"""
+import sys
+sys.argv = ["orthospec", "check", sys.argv[1]]
+try:
+    {MAIN.partition("; ")[2]}
+finally:
+    heavy = {{"numpy", "scipy", "cvxpy", "clarabel", "rich", "matplotlib"}} & set(sys.modules)
+    print(sorted(heavy))
+"""
+
+
+def test_check_imports_little(spec: Path) -> None:
+    done = _python(CHECK, spec.name)
+    assert done.stdout == "small.yaml: ok (orthoglide, 1 variable, 1 measure, 1 goal)\n[]\n", done.stderr
+
+
+def test_importing_orthospec_imports_nothing_heavy() -> None:
+    script = """
+import sys, orthospec
+print(sorted({"numpy", "pydantic", "cvxpy", "yaml"} & set(sys.modules)))
+assert set(orthospec.__all__) <= set(dir(orthospec)) and orthospec.__version__
+for name in orthospec.__all__:
+    assert getattr(orthospec, name).__name__ == name
+"""
+    done = _python(script)
+    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = orthospec.nothing  # type: ignore[attr-defined]
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-c", MAIN, "schema"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_letters_that_the_terminal_lacks_are_no_error() -> None:
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(
+        [sys.executable, "-c", MAIN, "explain", "condition_number"],
+        capture_output=True,
+        timeout=60,
+        check=False,
+        env=environment,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"Condition number ?(J)" in done.stdout
+
+
+TALKATIVE = f"""
+import signal
+from orthospec.show import progress
+signal.signal(signal.SIGINT, signal.default_int_handler)
+progress.PLAIN = 0.0
+{MAIN}
+"""
+
+
+def test_ctrl_c_keeps_what_was_found(spec: Path) -> None:
+    spec.write_text(SPEC.replace("starts: 1", "starts: 2000"))
+    command = [sys.executable, "-c", TALKATIVE, "run", spec.name]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        assert "designs on the coarse grid" in process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        out, error = process.communicate(timeout=60)
+    assert process.returncode == 4, error
+    assert "Stopped before the end" in out
+    assert read_result(Path("runs/small"))["status"] == "unfinished"
