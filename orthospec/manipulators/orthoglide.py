@@ -85,13 +85,15 @@ class Orthoglide(Manipulator):
         return rho, reachable
 
     def reach(self, poses: Poses) -> Mapping[str, Array]:
-        """Margins: each leg closes its loop, the assembly is the working one, the joint limits hold."""
+        """Margins: each leg closes its loop, no parallel singularity is passed, the joint limits hold."""
         return self._margins(poses, self.inverse_kinematics(poses)[0])
 
     def _margins(self, poses: Poses, rho: Joints) -> dict[str, Array]:
         closing = prismatic.leg_margins(self._machine, poses)
         margins = {f"leg_{i + 1}": closing[:, i] for i in range(3)}
-        margins["singularity"] = prismatic.assembly_margin(self._machine, poses, rho, sign=1.0)
+        rows = prismatic.unit_legs(self._machine, poses, rho)
+        margins["singularity"] = prismatic.volume_margin(rows, sign=1.0)
+        margins["assembly"] = prismatic.pairs_margin(rows, self._machine.axes)
         for side, sign in (("min", -1.0), ("max", 1.0)):
             for i, limit in enumerate(getattr(self.joint_limits, side) or ()):
                 key = f"joint_limits.{i}.{'at_least' if side == 'min' else 'at_most'}"

@@ -69,16 +69,31 @@ def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
     return _closing(machine, d, along) / machine.lengths**2 - CLEARANCE**2
 
 
-def assembly_margin(machine: PrismaticLegs, poses: Poses, rho: Joints, sign: float) -> Array:
-    """(n,): volume of the unit legs, times the branches and ``sign``.
+def unit_legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
+    """β_i s_i / L_i (n, 3, 3): the rows of J⁻¹ up to the positive factors |s_i·e_i| / L_i."""
+    return legs(machine, poses, rho) * (machine.branches / machine.lengths)[:, None]
+
+
+def volume_margin(rows: Array, sign: float) -> Array:
+    """``sign`` times the volume of the unit legs (n,), bounded and smooth.
 
     It has the sign of ``sign`` det J⁻¹ and is 0 at a parallel singularity, where J⁻¹ loses rank though a
-    measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly. A pose where two
-    singular values vanish at once only touches 0: it parts no assemblies and counts as inside.
+    measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly.
     """
-    s = legs(machine, poses, rho) / machine.lengths[:, None]
-    volume = np.einsum("ni,ni->n", s[:, 0], np.cross(s[:, 1], s[:, 2]))
-    return np.asarray(sign * np.prod(machine.branches) * volume)
+    return np.asarray(sign * np.einsum("ni,ni->n", rows[:, 0], np.cross(rows[:, 1], rows[:, 2])))
+
+
+def pairs_margin(rows: Array, axes: Array) -> Array:
+    """Sum of the principal 2 x 2 minors of the unit legs in the frame of independent slides (n,).
+
+    A parallel singularity at which two singular values vanish at once leaves the volume's sign as it was,
+    yet parts the workspace: with equal legs the Orthoglide has one on |p| = L, where all three sliders meet.
+    There this sum passes through 0. It is 3 where the legs lie along their slides; with unequal legs it also
+    leaves out a little beside serial singularities.
+    """
+    n = np.einsum("nik,jk->nij", rows, axes)
+    minors = [n[:, i, i] * n[:, j, j] - n[:, i, j] * n[:, j, i] for i, j in ((0, 1), (0, 2), (1, 2))]
+    return np.asarray(np.sum(minors, axis=0))
 
 
 def _closing(machine: PrismaticLegs, d: Array, along: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 LATTICE = 33
 """Nodes along each axis of the lattice that looks for the reach."""
+MOST_NODES = 1_000_000_000
+"""More nodes than this are refused: a byte and more of each is held."""
 DOUBLINGS = 24
 """How often the search box may double before the reach is said to have no end."""
 
@@ -65,6 +68,11 @@ def make_grid(manipulator: Manipulator, size: Array, divisions: int, region: Cub
     if (last < first).any():
         raise UsageError("the region holds no node of the grid: enlarge workspace.region or raise divisions")
     shape = tuple(int(n) for n in last - first + 1)
+    if math.prod(shape) > MOST_NODES:
+        raise UsageError(
+            f"the grid would have {math.prod(shape):.2g} nodes ({' x '.join(map(str, shape))}), more than"
+            f" {MOST_NODES:.0e}: lower workspace.divisions or give a smaller workspace.region"
+        )
     return Grid(tuple(map(float, step)), tuple(map(int, first)), shape, len(manipulator.axes))
 
 
