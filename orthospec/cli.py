@@ -1,8 +1,6 @@
 """The commands, in the order of the work. No arithmetic here; what is heavy is imported where it is used.
 
-Results go to standard output, progress and messages to standard error. Exit codes: 0 done; 1 a fault of
-orthospec itself; 2 wrong use or a wrong spec; 3 no design found in which every bound holds, or one evaluated
-in which not every bound does; 4 stopped before the end; 5 a plugin failed.
+Results go to standard output, progress and messages to standard error; `orthospec.guard` has the exit codes.
 """
 
 from __future__ import annotations
@@ -12,7 +10,6 @@ import json
 import os
 import shutil
 import sys
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TextIO
@@ -20,12 +17,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TextIO
 import typer
 
 from orthospec.errors import OrthospecError, UsageError
+from orthospec.guard import DONE, NOT_MET, PLUGIN, STOPPED, exit_code, say
 
 if TYPE_CHECKING:
     from orthospec.optimise import Outcome
     from orthospec.spec import Spec
 
-HOLDS, FAULT, NOT_MET, STOPPED, PLUGIN = 0, 1, 3, 4, 5
 WIDEST = 100
 """Longer lines are hard to read, however wide the terminal."""
 
@@ -63,45 +60,10 @@ def _command(work: Callable[_Arguments, int]) -> Callable[_Arguments, None]:
 
     @functools.wraps(work)
     def guarded(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> None:
-        raise typer.Exit(_exit_code(lambda: work(*args, **kwargs)))
+        raise typer.Exit(exit_code(lambda: work(*args, **kwargs)))
 
     name = work.__name__.removesuffix("_")
     return app.command(name)(guarded)
-
-
-def _exit_code(work: Callable[[], int]) -> int:
-    try:
-        code = work()
-        sys.stdout.flush()
-        return code
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return HOLDS
-    except KeyboardInterrupt:
-        _say("stopped before there was a result")
-        return STOPPED
-    except OrthospecError as error:
-        _say(str(error))
-        return error.exit_code
-    except Exception as error:
-        _say(_fault(error))
-        return FAULT
-
-
-def _fault(error: Exception) -> str:
-    """A mistake of ours: named shortly, with the whole trace on request."""
-    if os.environ.get("ORTHOSPEC_TRACEBACK"):
-        return traceback.format_exc()
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    where = f"{Path(last.filename).name}:{last.lineno}"
-    return (
-        f"fault in orthospec itself: {type(error).__name__}: {error} ({where})\n"
-        "set ORTHOSPEC_TRACEBACK=1 to see where it comes from, and please report it"
-    )
-
-
-def _say(message: str) -> None:
-    print(message, file=sys.stderr)
 
 
 def _print(text: str) -> None:
@@ -179,7 +141,7 @@ def check(
         try:
             problem = load_spec(Path(spec), settings or [])
         except OrthospecError as error:
-            _say(str(error))
+            say(str(error))
             codes.add(error.exit_code)
         else:
             _print(f"{spec}: ok ({_in_a_line(problem)})")
@@ -227,7 +189,7 @@ def show(result: ResultPath, as_json: Json = False) -> int:
         _print_json(content)
     else:
         _print(text(content, spec=spec_of(result), **_format(sys.stdout)))
-    return HOLDS
+    return DONE
 
 
 @_command
@@ -240,7 +202,7 @@ def plugins(as_json: Json = False) -> int:
         _print_json(entries)
     else:
         _print(show_installed(entries, **_format(sys.stdout)))
-    return HOLDS
+    return DONE
 
 
 @_command
@@ -251,7 +213,7 @@ def explain(
     from orthospec.show import explain as text
 
     _print(text(name, **_format(sys.stdout)))
-    return HOLDS
+    return DONE
 
 
 @_command
@@ -260,7 +222,7 @@ def schema() -> int:
     from orthospec.spec import schema as content
 
     _print_json(content())
-    return HOLDS
+    return DONE
 
 
 def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, as_json: bool) -> int:
@@ -282,7 +244,7 @@ def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, as_json: bool)
 
 def _tell_folder(folder: Path, as_json: bool) -> None:
     if as_json:
-        _say(f"written to {folder}")
+        say(f"written to {folder}")
     else:
         _print(f"\nWritten to {folder}")
 
@@ -295,7 +257,7 @@ def _code_of(outcome: Outcome) -> int:
         return STOPPED
     if finding.status == "infeasible" or not finding.evaluation.holds:
         return NOT_MET
-    return HOLDS
+    return DONE
 
 
 def _in_a_line(spec: Spec) -> str:
@@ -325,4 +287,4 @@ def _values(spec: Spec, text: str) -> dict[str, float]:
 def _warn_outside(spec: Spec, name: str, value: float) -> None:
     low, high = spec.variables[name].min, spec.variables[name].max
     if not low <= value <= high:
-        _say(f"note: {name} = {value:g} is outside its range {low:g} ... {high:g}")
+        say(f"note: {name} = {value:g} is outside its range {low:g} ... {high:g}")

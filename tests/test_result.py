@@ -29,7 +29,7 @@ from orthospec.result import (
 )
 from orthospec.spec import Spec, load_spec
 from orthospec.spec.overrides import dump
-from orthospec.spec.strict_yaml import parse
+from orthospec.spec.strict_yaml import LARGEST, parse
 
 SPEC = """\
 orthospec: 1
@@ -194,6 +194,15 @@ def test_a_folder_is_written_and_read_back(spec: Spec, finding: Finding, tmp_pat
     assert load_spec(folder / "spec.yaml").sha256() == content["provenance"]["spec_sha256"]
     assert json.loads((folder / "run.log.json").read_text()) == {"seconds": {"evaluate": 1.5}}
     assert np.load(folder / "fields.npz")["scale"].tolist() == [0.0, 1.0, 2.0]
+
+
+def test_a_long_sweep_is_read_back_though_no_spec_is_so_long(
+    spec: Spec, finding: Finding, tmp_path: Path
+) -> None:
+    content = compose(spec, dataclasses.replace(finding, sweep=(finding,) * 600))
+    write_result(tmp_path / "long", spec, content, {})
+    assert (tmp_path / "long" / "result.yaml").stat().st_size > LARGEST
+    assert read_result(tmp_path / "long") == content
 
 
 def test_a_result_is_replaced_and_what_others_put_there_is_kept(

@@ -19,7 +19,7 @@ import yaml
 from orthospec.errors import Mistake, SpecError
 from orthospec.spec.document import Document, Path, Place
 
-_LARGEST, _DEEPEST, _MOST = 1_000_000, 40, 100_000
+LARGEST, _DEEPEST = 1_000_000, 40
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -33,16 +33,19 @@ class _Node:
     pairs: tuple[tuple[_Node, _Node], ...] | None = None
 
 
-def parse(text: str, file: str) -> Document:
-    """The document in a text; raises `SpecError` where it is not YAML, else collects its mistakes."""
+def parse(text: str, file: str, largest: int = LARGEST) -> Document:
+    """The document in a text; raises `SpecError` where it is not YAML, else collects its mistakes.
+
+    ``largest`` bounds the characters, and a tenth of it the values.
+    """
     text = text.removeprefix("\ufeff")
     document = Document(file)
-    if len(text) > _LARGEST:
-        raise SpecError([Mistake(file, 0, 0, f"larger than {_LARGEST // 1000} kB")])
+    if len(text) > largest:
+        raise SpecError([Mistake(file, 0, 0, f"larger than {largest // 1000} kB")])
     root = _compose(text, file)
     if root is None or (root.plain and not root.text):
         raise SpecError([Mistake(file, 1, 1, "the file is empty; a spec starts with 'orthospec: 1'")])
-    document.data = _Reader(document).value(root, ())
+    document.data = _Reader(document, largest // 10).value(root, ())
     return document
 
 
@@ -152,14 +155,15 @@ class _Composer:
 class _Reader:
     """Nodes to plain Python, noting places and mistakes in the document."""
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, most: int) -> None:
         self._document = document
+        self._most = most
         self._count = 0
 
     def value(self, node: _Node, path: Path) -> Any:
         self._count += 1
-        if self._count > _MOST:
-            self._wrong(node, f"more than {_MOST} values, aliases counted as often as they are used")
+        if self._count > self._most:
+            self._wrong(node, f"more than {self._most} values, aliases counted as often as they are used")
             raise SpecError(self._document.mistakes)
         self._document.values[path] = node.place
         if node.pairs is not None:
