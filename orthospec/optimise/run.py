@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from orthospec.errors import PluginFault
-from orthospec.optimise.attain import Attained, Hunt, hunt
+from orthospec.optimise.attain import Attained, hunt
+from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.space import DesignSpace, machine_of, setting_of
 from orthospec.result import Attainment, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
-from orthospec.workspace.evaluate import Evaluation, evaluate
+from orthospec.workspace.evaluate import Evaluation, Setting, evaluate
 
 if TYPE_CHECKING:
     from orthospec.workspace.cuboid import Cuboid
@@ -64,7 +65,7 @@ def evaluate_spec(
     """
     clock = _Clock()
     design = spec.design(spec.default_values() if values is None else values)
-    evaluation, errors = clock.time("evaluate", lambda: _evaluate(spec, design, None, progress))
+    evaluation, errors = clock.time("evaluate", lambda: _evaluate(design, setting_of(spec), None, progress))
     sweep = clock.time("sweep", lambda: _sweep(spec, design, progress))
     status: Status = "failed" if errors else "evaluated"
     attainment = _attainment(design, evaluation)
@@ -84,47 +85,67 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
         errors = (_error(fault), *outcome.finding.errors)
         unique = tuple(dict.fromkeys(errors))
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
-    best = found.best
+    best, stopped = found.best, found.interrupted
     design = space.design(best.z) if best is not None else spec.design(spec.default_values())
     prescribed = best.cuboids() if best is not None else None
-    evaluation, errors = clock.time("evaluate", lambda: _evaluate(spec, design, prescribed, progress))
+    try:
+        setting = setting_of(spec) if not stopped else _quick(spec)
+        evaluation, errors = clock.time("evaluate", lambda: _evaluate(design, setting, prescribed, progress))
+    except KeyboardInterrupt:
+        stopped = True
+        evaluation, errors = _evaluate(design, _quick(spec), prescribed, None)
     attainment = _attainment(design, evaluation)
-    status = _status(found, evaluation, attainment, errors)
-    limits = clock.time("limits", lambda: _limits(best, status, progress))
-    sweep = () if found.interrupted else clock.time("sweep", lambda: _sweep(spec, design, progress))
+    status = "unfinished" if stopped else _status(best, evaluation, attainment, errors)
+    limits: tuple[Limit, ...] = ()
+    sweep: tuple[Finding, ...] = ()
+    try:
+        limits = clock.time("limits", lambda: _limits(best, status, progress))
+        sweep = () if stopped else clock.time("sweep", lambda: _sweep(spec, design, progress))
+    except KeyboardInterrupt:
+        stopped, status = True, "unfinished"
     search = Search(
         found.designs,
         found.starts,
         best.subproblems if best is not None else 0,
-        None if best is not None and best.feasible else (best.violation if best is not None else None),
+        None if best is None or best.feasible else best.violation,
         _conflicts(best, limits) if status == "infeasible" else (),
     )
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
-    return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, found.interrupted)
+    return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, stopped)
+
+
+def _quick(spec: Spec) -> Setting:
+    """The spec's workspace on a coarse grid: someone who pressed Ctrl-C does not want to wait."""
+    setting = setting_of(spec)
+    return replace(setting, divisions=min(setting.divisions, COARSE))
 
 
 def _status(
-    found: Hunt, evaluation: Evaluation, attainment: Attainment | None, errors: tuple[PluginError, ...]
+    best: Attained | None,
+    evaluation: Evaluation,
+    attainment: Attainment | None,
+    errors: tuple[PluginError, ...],
 ) -> Status:
     if errors:
         return "failed"
-    if found.interrupted:
-        return "unfinished"
-    if found.best is None or not found.best.feasible or not evaluation.holds:
+    if best is None or not best.feasible or not evaluation.holds:
         return "infeasible"
     goals = attainment.goals.values() if attainment is not None else ()
     return "attained" if all(goal.attained for goal in goals) else "compromise"
 
 
 def _evaluate(
-    spec: Spec, design: Design, prescribed: Mapping[str, Cuboid] | None, progress: Progress | None
+    design: Design,
+    setting: Setting,
+    prescribed: Mapping[str, Cuboid] | None,
+    progress: Progress | None,
 ) -> tuple[Evaluation, tuple[PluginError, ...]]:
     """Evaluate a design; a measure that fails is left out and named."""
     errors: list[PluginError] = []
     machine = machine_of(design)
     while True:
         try:
-            evaluation = evaluate(machine, setting_of(spec), prescribed, progress)
+            evaluation = evaluate(machine, setting, prescribed, progress)
         except PluginFault as fault:
             kept = {name: d for name, d in machine.demands.items() if d.place != fault.place}
             if len(kept) == len(machine.demands):
@@ -203,6 +224,6 @@ def _sweep(spec: Spec, design: Design, progress: Progress | None) -> tuple[Findi
         if progress is not None:
             progress("sweep", k, len(values))
         here = spec.design({**design.values, spec.sweep.variable: float(value)})
-        evaluation, errors = _evaluate(spec, here, None, None)
+        evaluation, errors = _evaluate(here, setting_of(spec), None, None)
         found.append(Finding("failed" if errors else "evaluated", here, evaluation, errors=errors))
     return tuple(found)
