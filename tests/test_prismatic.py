@@ -87,13 +87,49 @@ def test_leg_margin_changes_sign_at_the_clearance_from_the_serial_singularity(cl
 
 @settings(max_examples=50, deadline=None)
 @given(seeds)
-def test_assembly_margin_has_the_sign_of_the_determinant(seed):
+def test_volume_margin_has_the_sign_of_the_determinant(seed):
     random = np.random.default_rng(seed)
     machine, poses = random_machine(random), random.uniform(-1.0, 1.0, (200, 3))
     rho = prismatic.sliders(machine, poses)
     poses, rho = poses[np.isfinite(rho).all(axis=1)], rho[np.isfinite(rho).all(axis=1)]
     determinant = np.linalg.det(prismatic.inverse_jacobian(machine, poses, rho))
+    rows = prismatic.unit_legs(machine, poses, rho)
     for sign in (1.0, -1.0):
-        margin = prismatic.assembly_margin(machine, poses, rho, sign)
+        margin = prismatic.volume_margin(rows, sign)
+        assert np.abs(margin).max() <= 1 + 1e-12
         clear = np.abs(margin) > 1e-12
         np.testing.assert_array_equal(np.sign(margin[clear]), sign * np.sign(determinant[clear]))
+
+
+def orthogonal_machine(length: float) -> PrismaticLegs:
+    return PrismaticLegs(np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)), np.full(3, length), np.ones(3))
+
+
+def margins_at(machine: PrismaticLegs, poses):
+    rows = prismatic.unit_legs(machine, poses, prismatic.sliders(machine, poses))
+    return prismatic.volume_margin(rows, 1.0), prismatic.pairs_margin(rows, machine.axes)
+
+
+def test_pairs_margin_is_three_where_the_legs_lie_along_their_slides():
+    _, pairs = margins_at(orthogonal_machine(1.3), np.zeros((1, 3)))
+    assert pairs[0] == pytest.approx(3.0)
+
+
+def test_pairs_margin_passes_zero_where_the_sliders_meet_though_the_determinant_keeps_its_sign():
+    machine = orthogonal_machine(2.0)
+    towards = np.array([[-1.0, -1.1, -0.8]]) / np.linalg.norm([1.0, 1.1, 0.8])
+    volume, pairs = margins_at(machine, 2.0 * towards * np.array([[0.999], [1.0], [1.001]]))
+    assert (volume > -1e-15).all()
+    assert volume[1] == pytest.approx(0.0, abs=1e-15)
+    assert pairs[0] > 1e-4
+    assert pairs[1] == pytest.approx(0.0, abs=1e-14)
+    assert pairs[2] < -1e-4
+
+
+def test_pairs_margin_leaves_out_nothing_that_equal_legs_can_reach():
+    """Inside |p| = L the determinant alone decides."""
+    poses = np.random.default_rng(8).uniform(-1, 1, (100_000, 3))
+    poses = poses[np.linalg.norm(poses, axis=1) < 1]
+    volume, pairs = margins_at(orthogonal_machine(1.0), poses)
+    known = np.isfinite(volume)
+    assert (pairs[known & (volume > 0)] > 0).all()
