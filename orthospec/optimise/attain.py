@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-10
 """A scaled variable this near an end of its range stands on it."""
+SAME = 1e-8
+"""Ends nearer than this, relative, are one: the first is kept, and rounding does not choose between them."""
 CONFIRMATIONS = 4
 """How often a solution may be refined with critical points that only the finer lattice shows."""
 
@@ -42,12 +44,15 @@ class Attained:
         return self.violation <= FEASIBLE
 
     @property
-    def rank(self) -> tuple[bool, float]:
-        """The less the better: feasible first, then the factor (λ), else the violation."""
-        return (
-            not self.feasible,
-            self.factor * self.start.objective.unit if self.feasible else self.violation,
-        )
+    def merit(self) -> float:
+        """λ, or the violation where not every bound holds."""
+        return self.factor * self.start.objective.unit if self.feasible else self.violation
+
+    def beats(self, other: Attained) -> bool:
+        """Whether it is the better one, by more than rounding: feasible first, then the lower merit."""
+        if self.feasible != other.feasible:
+            return self.feasible
+        return self.merit < other.merit - SAME * abs(other.merit)
 
     def cuboids(self) -> dict[str, Cuboid]:
         """The prescribed cuboids, by measure; "" names the joint one."""
@@ -77,7 +82,7 @@ class Hunt:
     def finish(self, found: Attained | None) -> None:
         """Keep a solve's end where it is better than what is kept."""
         self.current = None
-        if found is not None and (self.best is None or found.rank < self.best.rank):
+        if found is not None and (self.best is None or found.beats(self.best)):
             self.best = found
 
 
