@@ -28,8 +28,8 @@ from orthospec.result import (
     write_result,
 )
 from orthospec.spec import Spec, load_spec
-from orthospec.spec.overrides import dump
 from orthospec.spec.strict_yaml import LARGEST, parse
+from orthospec.spec.writing import dump
 
 SPEC = """\
 orthospec: 1

@@ -20,8 +20,8 @@ from orthospec.errors import PluginFault, SpecError, UnbuildableDesign, UsageErr
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Level
 from orthospec.spec import Region, Spec, Sweep, Variable, Workspace, load_spec
-from orthospec.spec.overrides import dump
 from orthospec.spec.strict_yaml import parse
+from orthospec.spec.writing import dump
 
 SPEC = """\
 orthospec: 1

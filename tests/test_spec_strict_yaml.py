@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orthospec.errors import SpecError
-from orthospec.spec.overrides import dump
 from orthospec.spec.strict_yaml import parse
+from orthospec.spec.writing import dump
 
 
 def data(text: str) -> Any:

@@ -120,6 +120,11 @@ class _State:
     sharpened: int = 0
     history: list[Iterate] = field(default_factory=list)
 
+    @property
+    def settled(self) -> float:
+        """The gain in merit that is none: relative to the factor while it counts, else to feasibility."""
+        return SETTLED * max(1.0, abs(self.here.factor)) if self.weight else 0.1 * FEASIBLE
+
     def merit(self, assessment: Assessment) -> float:
         if not np.isfinite(assessment.violation):
             return np.inf
@@ -184,11 +189,12 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
         return _shrink(state, state.radius)
     state.rows, state.step = rows, step
     predicted = state.merit(state.here) - _model(state, step, curvature)
-    if predicted < -SETTLED and (again := problem.assess(x)).violation > state.here.violation + SETTLED:
+    settled = state.settled
+    if predicted < -settled and (again := problem.assess(x)).violation > state.here.violation + SETTLED:
         # Points that a trial elsewhere brought to light are worse here than what was known of here.
         state.here = again
         return None
-    if predicted <= SETTLED * max(1.0, abs(state.here.factor)):
+    if predicted <= settled:
         sharpened = _sharpen(problem, state, step, smooth)
         return None if sharpened else _settle(problem, state)
     trial, best = problem.assess(_within(problem, x + step.delta)), step
@@ -209,7 +215,7 @@ def _sharpen(problem: Problem, state: _State, step: Step, smooth: Callable[[Arra
     """
     last = problem.assess(_within(problem, state.here.x + step.delta))
     harm = last.factor - state.here.factor
-    if last.violation > max(state.here.violation, 0.1 * FEASIBLE) or harm > SETTLED:
+    if last.violation > max(state.here.violation, 0.1 * FEASIBLE) or harm > state.settled:
         return False
     state.here = last
     state.curvature = _lagrangian_curvature(problem, step, last.x, smooth)
@@ -217,9 +223,7 @@ def _sharpen(problem: Problem, state: _State, step: Step, smooth: Callable[[Arra
     return state.sharpened < SHARPENINGS and float(np.max(np.abs(step.delta))) > SHARP
 
 
-def _lagrangian_curvature(
-    problem: Problem, step: Step, x: Array, smooth: Callable[[Array], Array]
-) -> Array:
+def _lagrangian_curvature(problem: Problem, step: Step, x: Array, smooth: Callable[[Array], Array]) -> Array:
     curvature = hessian(smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
     return positive_part(curvature)
 

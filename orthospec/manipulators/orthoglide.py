@@ -55,7 +55,11 @@ class JointLimits(BaseModel):
 
 
 class Orthoglide(Manipulator):
-    """Slider i moves along coordinate axis i: ρ_i = p_i + β_i sqrt(L_i² − Σ_{k≠i} p_k²) (eq. 14)."""
+    """Slider i moves along coordinate axis i: ρ_i = p_i + β_i sqrt(L_i² − Σ_{k≠i} p_k²).
+
+    Row i of J⁻¹ is s_iᵀ / s_ii with s_i = ρ_i e_i − p: the bracket of eq. 14 of Pashkevich, Chablat and
+    Wenger (2009). The machine is of Chablat and Wenger (2003).
+    """
 
     leg_lengths: tuple[PositiveLength, PositiveLength, PositiveLength]
     """Lengths of the legs of the x, y and z slides [m]."""

@@ -65,10 +65,11 @@ def evaluate_spec(
     """
     clock = _Clock()
     design = spec.design(spec.default_values() if values is None else values)
-    evaluation, errors = clock.time("evaluate", lambda: _evaluate(design, setting_of(spec), None, progress))
+    evaluation, faults = clock.time("evaluate", lambda: _evaluate(design, setting_of(spec), None, progress))
     sweep = clock.time("sweep", lambda: _sweep(spec, design, progress))
-    status: Status = "failed" if errors else "evaluated"
+    status: Status = "failed" if faults else "evaluated"
     attainment = _attainment(design, evaluation)
+    errors = (*faults, *_failed_nodes(evaluation))
     finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=errors)
     return Outcome(finding, {"seconds": clock.seconds})
 
@@ -90,12 +91,12 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
     prescribed = best.cuboids() if best is not None else None
     try:
         setting = setting_of(spec) if not stopped else _quick(spec)
-        evaluation, errors = clock.time("evaluate", lambda: _evaluate(design, setting, prescribed, progress))
+        evaluation, faults = clock.time("evaluate", lambda: _evaluate(design, setting, prescribed, progress))
     except KeyboardInterrupt:
         stopped = True
-        evaluation, errors = _evaluate(design, _quick(spec), prescribed, None)
+        evaluation, faults = _evaluate(design, _quick(spec), prescribed, None)
     attainment = _attainment(design, evaluation)
-    status = "unfinished" if stopped else _status(best, evaluation, attainment, errors)
+    status = "unfinished" if stopped else _status(best, evaluation, attainment, faults)
     limits: tuple[Limit, ...] = ()
     sweep: tuple[Finding, ...] = ()
     try:
@@ -110,6 +111,7 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
         None if best is None or best.feasible else best.violation,
         _conflicts(best, limits) if status == "infeasible" else (),
     )
+    errors = (*faults, *_failed_nodes(evaluation))
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
     return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, stopped)
 
@@ -124,9 +126,9 @@ def _status(
     best: Attained | None,
     evaluation: Evaluation,
     attainment: Attainment | None,
-    errors: tuple[PluginError, ...],
+    faults: tuple[PluginError, ...],
 ) -> Status:
-    if errors:
+    if faults:
         return "failed"
     if best is None or not best.feasible or not evaluation.holds:
         return "infeasible"
@@ -141,7 +143,7 @@ def _evaluate(
     progress: Progress | None,
 ) -> tuple[Evaluation, tuple[PluginError, ...]]:
     """Evaluate a design; a measure that fails is left out and named."""
-    errors: list[PluginError] = []
+    faults: list[PluginError] = []
     machine = machine_of(design)
     while True:
         try:
@@ -150,16 +152,18 @@ def _evaluate(
             kept = {name: d for name, d in machine.demands.items() if d.place != fault.place}
             if len(kept) == len(machine.demands):
                 raise
-            errors.append(_error(fault))
+            faults.append(_error(fault))
             machine = replace(machine, demands=kept)
             continue
-        errors += [
-            PluginError(
-                failure.measure, failure.place, f"gave NaN at the reachable pose {list(failure.pose)}"
-            )
-            for failure in evaluation.failures
-        ]
-        return evaluation, tuple(errors)
+        return evaluation, tuple(faults)
+
+
+def _failed_nodes(evaluation: Evaluation) -> tuple[PluginError, ...]:
+    """Nodes where a measure gave NaN: told with the first pose of each measure, but no failure of the run."""
+    return tuple(
+        PluginError(failure.measure, failure.place, f"gave NaN at the reachable pose {list(failure.pose)}")
+        for failure in evaluation.failures
+    )
 
 
 def _error(fault: PluginFault) -> PluginError:
@@ -224,6 +228,7 @@ def _sweep(spec: Spec, design: Design, progress: Progress | None) -> tuple[Findi
         if progress is not None:
             progress("sweep", k, len(values))
         here = spec.design({**design.values, spec.sweep.variable: float(value)})
-        evaluation, errors = _evaluate(here, setting_of(spec), None, None)
-        found.append(Finding("failed" if errors else "evaluated", here, evaluation, errors=errors))
+        evaluation, faults = _evaluate(here, setting_of(spec), None, None)
+        errors = (*faults, *_failed_nodes(evaluation))
+        found.append(Finding("failed" if faults else "evaluated", here, evaluation, errors=errors))
     return tuple(found)

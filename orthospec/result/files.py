@@ -16,9 +16,9 @@ from orthospec.errors import OrthospecError, SpecError, UsageError
 from orthospec.result.model import Result
 from orthospec.spec.document import Document
 from orthospec.spec.load import load_spec
-from orthospec.spec.overrides import dump
 from orthospec.spec.strict_yaml import parse
 from orthospec.spec.wording import problems
+from orthospec.spec.writing import dump
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array

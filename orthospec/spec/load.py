@@ -14,9 +14,10 @@ from orthospec.spec.blueprint import Blueprint
 from orthospec.spec.document import Document
 from orthospec.spec.document import Path as Keys
 from orthospec.spec.draft import Draft
-from orthospec.spec.overrides import dump, override
+from orthospec.spec.overrides import override
 from orthospec.spec.spec import Spec
 from orthospec.spec.strict_yaml import parse
+from orthospec.spec.writing import dump
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator

@@ -1,15 +1,13 @@
-"""``--set KEY=VALUE``: a spec changed from the command line, and written out as it is then run."""
+"""``--set KEY=VALUE``: a spec changed from the command line."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
 
-import yaml
-
 from orthospec.errors import Mistake, SpecError
 from orthospec.spec.document import Document, Path
-from orthospec.spec.strict_yaml import parse, scalar
+from orthospec.spec.strict_yaml import parse
 
 
 def override(document: Document, settings: Iterable[str]) -> None:
@@ -20,13 +18,6 @@ def override(document: Document, settings: Iterable[str]) -> None:
         if not equals or not all(key.split(".")):
             raise SpecError([Mistake(label, 0, 0, "write KEY=VALUE, like workspace.divisions=80")])
         _put(document, key.split("."), _value(text, label), label)
-
-
-def dump(data: Any) -> str:
-    """YAML that `parse` reads back as the same data, the same bytes for the same data."""
-    return yaml.dump(
-        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None
-    )
 
 
 def _value(text: str, label: str) -> Any:
@@ -64,19 +55,3 @@ def _step(here: Any, key: str) -> str | int | None:
     if isinstance(here, list) and key.isdecimal() and int(key) < len(here):
         return int(key)
     return None
-
-
-class _Dumper(yaml.SafeDumper):
-    """Quotes the strings that unquoted would be read as something else."""
-
-    def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002
-        """Write each part out, however often it is used."""
-        return True
-
-
-def _string(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
-    style = None if text.isprintable() and isinstance(scalar(text), str) else '"'
-    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
-
-
-_Dumper.add_representer(str, _string)
