@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
@@ -113,11 +114,17 @@ def test_each_link_leads_to_a_file_and_a_heading(page: Path) -> None:
 
 
 def test_the_change_log_begins_with_the_version_at_hand() -> None:
-    version = re.search(r'^version = "(.*)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
     latest = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert version is not None
     assert latest is not None
-    assert version[1] == latest[1]
+    assert version == latest[1]
+
+
+def test_the_table_of_packages_is_the_import_contract() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    told = re.findall(r"^\| `(\w+)` \|", page.split("## Decisions")[0], re.MULTILINE)
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]
+    assert told == [layer.removeprefix("orthospec.") for layer in reversed(contract["layers"])]
 
 
 def test_the_table_has_every_spec_once() -> None:
