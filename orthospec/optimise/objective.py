@@ -9,12 +9,14 @@ the range of the joints over it; each such extreme is a variable, held by the me
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from orthospec.optimise.space import DesignSpace
-from orthospec.quantities import ExpressionError
+from orthospec.quantities import Expression, ExpressionError
+from orthospec.quantities.pieces import pieces
 from orthospec.spec import Design, Goal
 from orthospec.workspace.conditions import Extreme
 from orthospec.workspace.evaluate import Evaluation
@@ -26,27 +28,49 @@ if TYPE_CHECKING:
 
 BUMP = 1e-6
 """Relative change of an extreme that shows in which direction a goal wants it."""
+LEAD = 0.01
+"""How much shorter the other joints' ranges are made in the row in which one joint leads."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One row of a goal: sign·(piece − goal). ``leader`` is a joint that leads by a hair, or None."""
+
+    goal: int
+    sign: float
+    piece: Expression
+    leader: int | None = None
 
 
 class GoalObjective:
     """The `Objective` of a spec's goals; the factor is λ over ``unit``, so that it is of order 1.
 
+    Kinks are taken apart: a goal has a row for each piece of its ``max`` and ``min``, and where an index may
+    be the greatest over the joints (``stroke``), a row for each joint in which that one leads.
     ``shifts`` moves goals by name, towards easier where positive: what a price is found with.
     """
 
     def __init__(self, space: DesignSpace, z: Array, shifts: Mapping[str, float] | None = None) -> None:
         self._space, self._shifts = space, dict(shifts or {})
         design = space.design(z)
-        self._joints = len(design.manipulator.joint_units) if _uses_joint_ranges(design) else 0
+        moving = _moving_indices(design)
+        self._joints = len(design.manipulator.joint_units) if moving else 0
         self.extremes = _extremes(design, self._joints)
-        weights = np.array([goal.weight for goal in design.goals for _ in _senses(goal)])
-        goals = np.array([abs(goal.goal) for goal in design.goals for _ in _senses(goal)])
+        self._rows = [row for k, goal in enumerate(design.goals) for row in _rows_of(k, goal)]
+        self._rows += [
+            replace(row, leader=joint)
+            for row in self._rows
+            if row.sign > 0 and row.piece.names & moving
+            for joint in range(self._joints)
+        ]
+        weights = np.array([design.goals[row.goal].weight for row in self._rows])
+        goals = np.array([abs(design.goals[row.goal].goal) for row in self._rows])
         soft = weights > 0
         sizes = np.maximum(goals[soft], 1e-12) / weights[soft]
         self.unit = float(sizes.min()) if soft.any() else 1.0
         self.on_factor = weights * self.unit
         self.on_slack = np.where(soft, 0.0, np.where(goals > 0, goals, 1.0))
-        self.owners = tuple(goal.name for goal in design.goals for _ in _senses(goal))
+        self.owners = tuple(design.goals[row.goal].name for row in self._rows)
         self.reversed: frozenset[Extreme] = frozenset()
 
     def settle_senses(self, machine: Machine, point: Point) -> None:
@@ -63,18 +87,31 @@ class GoalObjective:
     def rows(self, machine: Machine, point: Point) -> Array:
         """The rows g (r,); NaN where a goal has no value."""
         design = self._space.design(point.design)
-        ranges = np.full((len(machine.manipulator.joint_units), 2), np.nan)
-        if self._joints:
-            ranges = point.extremes[len(self.extremes) - 2 * self._joints :].reshape(-1, 2)
-        values: dict[tuple[str, str], float] = {
+        known: dict[tuple[str, str], float] = {
             (e.kind, str(e.of)): float(v) for e, v in zip(self.extremes, point.extremes, strict=True)
         }
+        indices: dict[int | None, Mapping[str, float]] = {None: self._indices(machine, point, None)}
+        indices |= {joint: self._indices(machine, point, joint) for joint in range(self._joints)}
         found = []
-        for goal in design.goals:
-            f = _value(design, goal, dict(machine.manipulator.indices(ranges)), point.scale, values)
-            easier = self._shifts.get(goal.name, 0.0)
-            found += [sign * (f - goal.goal) - easier for sign in _senses(goal)]
+        for row in self._rows:
+            goal = design.goals[row.goal]
+            f = _value(design, row.piece, indices[row.leader], point.scale, known)
+            if row.leader is not None:
+                # A goal that falls as ranges grow has no kink of this kind: its row may not be tightened.
+                f = min(f, _value(design, row.piece, indices[None], point.scale, known))
+            found.append(row.sign * (f - goal.goal) - self._shifts.get(goal.name, 0.0))
         return np.array(found)
+
+    def _indices(self, machine: Machine, point: Point, leader: int | None) -> Mapping[str, float]:
+        """The indices, the ranges of all joints but the leader made shorter."""
+        ranges = np.full((len(machine.manipulator.joint_units), 2), np.nan)
+        if self._joints:
+            ranges = point.extremes[len(self.extremes) - 2 * self._joints :].reshape(-1, 2).copy()
+        if leader is not None:
+            others = np.arange(self._joints) != leader
+            cut = LEAD / 2 * (ranges[others, 1] - ranges[others, 0])
+            ranges[others] += np.stack([cut, -cut], axis=1)
+        return machine.manipulator.indices(ranges)
 
 
 def goal_values(design: Design, evaluation: Evaluation) -> dict[str, float]:
@@ -84,28 +121,36 @@ def goal_values(design: Design, evaluation: Evaluation) -> dict[str, float]:
         for kind, extreme in (("lowest", record.lowest), ("highest", record.highest)):
             values[kind, name] = extreme.value if extreme is not None else np.nan
     scale = evaluation.joint.scale if evaluation.joint is not None else np.nan
-    return {goal.name: _value(design, goal, evaluation.indices, scale, values) for goal in design.goals}
+    return {
+        goal.name: _value(design, goal.expression, evaluation.indices, scale, values) for goal in design.goals
+    }
 
 
 def _value(
     design: Design,
-    goal: Goal,
+    expression: Expression,
     indices: Mapping[str, float],
     scale: float,
     extremes: Mapping[tuple[str, str], float],
 ) -> float:
     known = dict(extremes)
-    for kind, name in goal.expression.extremes:
+    for kind, name in expression.extremes:
         if kind == "worst":
             known[kind, name] = extremes[_worst_kind(design, name), name]
     try:
-        return goal.expression.value({**design.values, **indices, "scale": scale}, known)
+        return expression.value({**design.values, **indices, "scale": scale}, known)
     except ExpressionError:
         return np.nan
 
 
-def _senses(goal: Goal) -> tuple[float, ...]:
-    return {"minimise": (1.0,), "maximise": (-1.0,), "match": (1.0, -1.0)}[goal.sense]
+def _rows_of(k: int, goal: Goal) -> list[_Row]:
+    """One row for each piece and side of goal k."""
+    signs = {"minimise": (1.0,), "maximise": (-1.0,), "match": (1.0, -1.0)}[goal.sense]
+    return [
+        _Row(k, sign, piece)
+        for sign in signs
+        for piece in pieces(goal.expression, "max" if sign > 0 else "min")
+    ]
 
 
 def _worst_kind(design: Design, name: str) -> str:
@@ -125,12 +170,12 @@ def _extremes(design: Design, joints: int) -> tuple[Extreme, ...]:
     return (*found, *ends)
 
 
-def _uses_joint_ranges(design: Design) -> bool:
-    """Whether a goal names an index that changes with the range of the joints."""
+def _moving_indices(design: Design) -> frozenset[str]:
+    """The indices that goals name and that change with the range of the joints."""
     wide = np.tile([0.0, 1.0], (len(design.manipulator.joint_units), 1))
     first, second = (dict(design.manipulator.indices(ranges)) for ranges in (wide, 2 * wide + 0.5))
-    moving = {name for name in first if first[name] != second[name]}
-    return any(goal.expression.names & moving for goal in design.goals)
+    named = frozenset().union(*(goal.expression.names for goal in design.goals))
+    return frozenset(name for name in named & first.keys() if first[name] != second[name])
 
 
 def scale_is_asked(goals: Sequence[Goal]) -> bool:
