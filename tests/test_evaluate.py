@@ -57,6 +57,14 @@ def test_grid_scale_ties_and_polished_scale_of_the_exact_orthoglide(divisions, g
     np.testing.assert_allclose(found.cuboid.high, [CORNERS[1]] * 3, atol=1e-9)
 
 
+def test_eighty_divisions_still_miss_one_step():
+    region = Cuboid((-0.16,) * 3, (0.11,) * 3)
+    found = evaluate(machine_of(transmission()), setting(80, region=region)).joint
+    assert found.grid_scale == 0.9875
+    assert found.ties == 25
+    assert found.scale == pytest.approx(1.0, abs=1e-9)
+
+
 @pytest.fixture(scope="module")
 def evaluation():
     """The exact Orthoglide with a second measure, a level each way and named poses."""
