@@ -54,7 +54,8 @@ def hessian(
         [centre, centre + steps, centre - steps, *(centre + m for m in mixed), *(centre - m for m in mixed)]
     )
     used = weights != 0
-    f = smooth(points)[:, used] @ weights[used]
+    with np.errstate(invalid="ignore"):
+        f = smooth(points)[:, used] @ weights[used]
     f0, plus, minus = f[0], f[1 : n + 1], f[n + 1 : 2 * n + 1]
     second = np.diag((plus - 2 * f0 + minus) / h**2)
     for k, (i, j) in enumerate(pairs):

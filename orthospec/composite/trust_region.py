@@ -29,6 +29,8 @@ FEASIBLE = 1e-9
 """A violation up to this (relative) counts as none."""
 SETTLED = 5e-10
 """The loop ends when a subproblem predicts less gain than this."""
+ACCEPTABLE = 1e-4
+"""The part of the predicted gain that a step must bring to be accepted."""
 SHARP = 1e-8
 """Steps shorter than this sharpen x no more."""
 SHARPENINGS = 2
@@ -118,6 +120,8 @@ class _State:
     step: Step | None = None
     curvature: Array | None = None
     sharpened: int = 0
+    feasible: Assessment | None = None
+    """The best point so far at which everything holds."""
     history: list[Iterate] = field(default_factory=list)
 
     @property
@@ -126,9 +130,62 @@ class _State:
         return SETTLED * max(1.0, abs(self.here.factor)) if self.weight else 0.1 * FEASIBLE
 
     def merit(self, assessment: Assessment) -> float:
+        """Weight·factor + penalty·violation."""
         if not np.isfinite(assessment.violation):
             return np.inf
         return self.weight * assessment.factor + self.penalty * max(assessment.violation, 0.0)
+
+    def move(self, to: Assessment) -> None:
+        """Go to a point."""
+        self.here = to
+        if to.violation <= FEASIBLE and (self.feasible is None or to.factor < self.feasible.factor):
+            self.feasible = to
+
+    def record(self, accepted: bool) -> None:
+        """Note the step just judged."""
+        here = self.here
+        self.history.append(
+            Iterate(self.subproblems, here.factor, here.violation, self.radius, self.penalty, accepted)
+        )
+
+
+@dataclass(frozen=True)
+class _Model:
+    """The problem linearised at a point, with the curvature of its Lagrangian."""
+
+    problem: Problem
+    x: Array
+    rows: Rows
+    w: Array
+    slopes: Array
+    curvature: Array
+
+    def smooth(self, points: Array) -> Array:
+        return self.problem.smooth(points, self.rows)
+
+    def solve(self, state: _State, w: Array) -> Step | None:
+        """The subproblem with w in the place of the values at x."""
+        state.subproblems += 1
+        lower = np.maximum(self.problem.lower - self.x, -state.radius)
+        upper = np.minimum(self.problem.upper - self.x, state.radius)
+        return solve(self.rows, w, self.slopes, self.curvature, lower, upper, state.penalty, state.weight)
+
+    def merit(self, state: _State, step: Step) -> float:
+        """The merit that the model foretells for a step."""
+        factor = state.weight * step.factor if state.weight else 0.0
+        bend = 0.5 * float(step.delta @ self.curvature @ step.delta)
+        return factor + state.penalty * max(step.slack, 0.0) + bend
+
+    def at(self, step: Step) -> Array:
+        """Where a step leads."""
+        return np.clip(self.x + step.delta, self.problem.lower, self.problem.upper)
+
+    def bend(self, step: Step, x: Array) -> Array:
+        """The positive part of the Lagrangian's Hessian at x, with the multipliers of a step."""
+        problem = self.problem
+        return positive_part(
+            hessian(self.smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
+        )
 
 
 def minimise(
@@ -145,134 +202,111 @@ def minimise(
     """
     state = _State(problem.assess(np.asarray(start, dtype=float)), radius=radius)
     state.weight = float(problem.has_factor)
-    if not np.isfinite(state.here.violation):
-        return _solution(state, Ending.STALLED)
-    while state.subproblems < most:
-        ending = _pass(problem, state)
-        if state.history and on_iterate:
+    state.move(state.here)
+    ending = None if np.isfinite(state.here.violation) else Ending.STALLED
+    while ending is None:
+        told = len(state.history)
+        ending = _pass(problem, state) if state.subproblems < most else Ending.EXHAUSTED
+        if on_iterate and len(state.history) > told:
             on_iterate(state.here, state.history[-1])
-        if ending is not None:
-            return _solution(state, ending)
-    return _solution(state, Ending.EXHAUSTED)
-
-
-def _solution(state: _State, ending: Ending) -> Solution:
+    if state.here.violation > FEASIBLE and state.feasible is not None:
+        # Better a feasible point that was left for a better merit than a worse one that is not feasible.
+        ending, state.here = Ending.STALLED, state.feasible
     here = state.here
-    history = tuple(state.history)
     return Solution(
-        here.x, here.factor, here.violation, ending, state.subproblems, history, state.rows, state.step
+        here.x,
+        here.factor,
+        here.violation,
+        ending,
+        state.subproblems,
+        tuple(state.history),
+        state.rows,
+        state.step,
     )
 
 
 def _pass(problem: Problem, state: _State) -> Ending | None:
     """One step of the loop; an Ending when it is the last."""
-    x = state.here.x
-    rows = problem.rows(x)
-
-    def smooth(points: Array) -> Array:
-        return problem.smooth(points, rows)
-
-    w, slopes = jacobian(smooth, x, problem.scale, problem.lower, problem.upper)
-    if not np.isfinite(slopes).all():
+    model = _linearised(problem, state)
+    if model is None:
         return Ending.STALLED
-    damped = DAMPING * np.eye(len(x))
-    curvature = damped if state.curvature is None else state.curvature + damped
-
-    def subproblem(constant: Array) -> Step | None:
-        state.subproblems += 1
-        lower = np.maximum(problem.lower - x, -state.radius)
-        upper = np.minimum(problem.upper - x, state.radius)
-        return solve(rows, constant, slopes, curvature, lower, upper, state.penalty, state.weight)
-
-    step = subproblem(w)
+    step = model.solve(state, model.w)
     if step is None:
         return _shrink(state, state.radius)
-    state.rows, state.step = rows, step
-    predicted = state.merit(state.here) - _model(state, step, curvature)
-    settled = state.settled
-    if predicted < -settled and (again := problem.assess(x)).violation > state.here.violation + SETTLED:
-        # Points that a trial elsewhere brought to light are worse here than what was known of here.
-        state.here = again
+    state.rows, state.step = model.rows, step
+    predicted = state.merit(state.here) - model.merit(state, step)
+    if predicted < -state.settled:
+        again = problem.assess(model.x)
+        if again.violation > state.here.violation + SETTLED:
+            # Points that a trial elsewhere brought to light are worse here than what was known of here.
+            state.here, state.feasible = again, None
+            return None
+    if predicted <= state.settled:
+        return None if _sharpen(model, state, step) else _settle(problem, state)
+    return _judge(model, state, *_try(model, state, step, predicted), predicted)
+
+
+def _linearised(problem: Problem, state: _State) -> _Model | None:
+    """The model at the current point; None where a derivative cannot be had."""
+    x = state.here.x
+    rows = problem.rows(x)
+    w, slopes = jacobian(
+        lambda points: problem.smooth(points, rows), x, problem.scale, problem.lower, problem.upper
+    )
+    if not np.isfinite(slopes).all():
         return None
-    if predicted <= settled:
-        sharpened = _sharpen(problem, state, step, smooth)
-        return None if sharpened else _settle(problem, state)
-    trial, best = problem.assess(_within(problem, x + step.delta)), step
-    if _ratio(state, trial, predicted) < 0.75:
-        moved = smooth(trial.x[None])[0] if np.isfinite(trial.violation) else np.full(len(w), np.nan)
-        corrected = subproblem(moved - slopes @ (trial.x - x)) if np.isfinite(moved).all() else None
-        if corrected is not None:
-            second = problem.assess(_within(problem, x + corrected.delta))
-            if state.merit(second) < state.merit(trial):
-                trial, best = second, corrected
-    return _judge(problem, state, trial, best, predicted, smooth)
+    curvature = DAMPING * np.eye(len(x)) + (0.0 if state.curvature is None else state.curvature)
+    return _Model(problem, x, rows, w, slopes, curvature)
 
 
-def _sharpen(problem: Problem, state: _State, step: Step, smooth: Callable[[Array], Array]) -> bool:
+def _try(model: _Model, state: _State, step: Step, predicted: float) -> tuple[Assessment, Step]:
+    """The trial point of a step; where it disappoints, its second-order correction if that is better."""
+    trial = model.problem.assess(model.at(step))
+    gain = state.merit(state.here) - state.merit(trial)
+    if gain >= 0.75 * predicted or not np.isfinite(trial.violation):
+        return trial, step
+    moved = model.smooth(trial.x[None])[0]
+    corrected = (
+        model.solve(state, moved - model.slopes @ (trial.x - model.x)) if np.isfinite(moved).all() else None
+    )
+    if corrected is None:
+        return trial, step
+    second = model.problem.assess(model.at(corrected))
+    return (second, corrected) if state.merit(second) < state.merit(trial) else (trial, step)
+
+
+def _sharpen(model: _Model, state: _State, step: Step) -> bool:
     """Take a step that promises nothing, unless it does harm; whether another one may pay.
 
     Where the merit is flat its rounding tells nothing of x, but Newton's step still does.
     """
-    last = problem.assess(_within(problem, state.here.x + step.delta))
+    last = model.problem.assess(model.at(step))
     harm = last.factor - state.here.factor
     if last.violation > max(state.here.violation, 0.1 * FEASIBLE) or harm > state.settled:
+        state.record(accepted=False)
         return False
-    state.here = last
-    state.curvature = _lagrangian_curvature(problem, step, last.x, smooth)
+    state.move(last)
+    state.record(accepted=True)
+    state.curvature = model.bend(step, last.x)
     state.sharpened += 1
     return state.sharpened < SHARPENINGS and float(np.max(np.abs(step.delta))) > SHARP
 
 
-def _lagrangian_curvature(problem: Problem, step: Step, x: Array, smooth: Callable[[Array], Array]) -> Array:
-    curvature = hessian(smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
-    return positive_part(curvature)
-
-
-def _within(problem: Problem, x: Array) -> Array:
-    return np.clip(x, problem.lower, problem.upper)
-
-
-def _model(state: _State, step: Step, curvature: Array) -> float:
-    factor = state.weight * step.factor if state.weight else 0.0
-    return factor + state.penalty * max(step.slack, 0.0) + 0.5 * float(step.delta @ curvature @ step.delta)
-
-
-def _ratio(state: _State, trial: Assessment, predicted: float) -> float:
-    return (state.merit(state.here) - state.merit(trial)) / predicted
-
-
-def _judge(
-    problem: Problem,
-    state: _State,
-    trial: Assessment,
-    step: Step,
-    predicted: float,
-    smooth: Callable[[Array], Array],
-) -> Ending | None:
+def _judge(model: _Model, state: _State, trial: Assessment, step: Step, predicted: float) -> Ending | None:
     """Accept or refuse a trial point; adapt radius, penalty and curvature."""
-    ratio = _ratio(state, trial, predicted)
+    ratio = (state.merit(state.here) - state.merit(trial)) / predicted
     length = float(np.max(np.abs(step.delta)))
-    accepted = ratio > 1e-4
     violation = state.here.violation
-    if accepted:
-        state.here = trial
-        state.curvature = _lagrangian_curvature(problem, step, trial.x, smooth)
-    state.history.append(
-        Iterate(
-            state.subproblems,
-            state.here.factor,
-            state.here.violation,
-            state.radius,
-            state.penalty,
-            accepted,
-        )
-    )
+    if ratio > ACCEPTABLE:
+        state.move(trial)
+        state.curvature = model.bend(step, trial.x)
+    state.record(accepted=ratio > ACCEPTABLE)
     if ratio > 0.75 and length > 0.9 * state.radius:
         state.radius = min(2.5 * state.radius, RADIUS[1])
     elif ratio < 0.25 and _shrink(state, min(length, state.radius)):
-        return _settle(problem, state)
+        return _settle(model.problem, state)
     if not state.weight and state.here.violation <= FEASIBLE:
-        return _settle(problem, state)
+        return _settle(model.problem, state)
     _adapt_penalty(state, step, violation)
     return None
 
