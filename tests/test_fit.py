@@ -133,14 +133,28 @@ class Exact:
         of = {(e.kind, e.of): value for e, value in self.values.items()}
         ranges = [(of["lowest", i], of["highest", i]) for i in range(3)]
         yield self.base * self.third + self.scale**2 - 2
-        yield max(high - low for low, high in ranges) - 1
-        sides = [max(high, 0) - min(low, 0) for low, high in ranges[:2]]
-        yield mpmath.sqrt(sides[0] * sides[1]) - 1
+        yield self.travel(ranges) - 1
+        yield self.ground(ranges) - 1
         yield of["highest", "condition"] - 2
         yield 1 - of["lowest", "transmission"]
         yield 3 - of["highest", "transmission"]
         yield 2 * self.base + self.third - 5
         yield 5 - 2 * self.base - self.third
+        # Rows in which one joint leads: the others' ranges are one per cent shorter.
+        led = [[self.shorter(r) if k != leader else r for k, r in enumerate(ranges)] for leader in range(3)]
+        yield from (min(self.travel(r), self.travel(ranges)) - 1 for r in led)
+        yield from (min(self.ground(r), self.ground(ranges)) - 1 for r in led)
+
+    def travel(self, ranges):
+        return max(high - low for low, high in ranges)
+
+    def ground(self, ranges):
+        sides = [max(high, 0) - min(low, 0) for low, high in ranges[:2]]
+        return mpmath.sqrt(sides[0] * sides[1])
+
+    def shorter(self, ends):
+        cut = (ends[1] - ends[0]) / 200
+        return ends[0] + cut, ends[1] - cut
 
     def form(self, part):
         bounds = {
