@@ -44,6 +44,9 @@ Settings = Annotated[
         "--set", metavar="KEY=VALUE", help="Change the spec, like workspace.divisions=80; repeatable."
     ),
 ]
+Fields = Annotated[
+    bool, typer.Option("--fields", help="Keep the measures' values on the grid too, in fields.npz.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs to read.")]
 
 
@@ -108,6 +111,7 @@ def run(
         ),
     ] = None,
     settings: Settings = None,
+    fields: Fields = False,
     as_json: Json = False,
 ) -> int:
     """Find the best design and write a result folder.
@@ -125,7 +129,7 @@ def run(
     check_destination(folder)
     with ProgressLine(sys.stderr) as progress:
         outcome = solve(problem, progress=progress)
-    return _hand_over(problem, outcome, folder, as_json)
+    return _hand_over(problem, outcome, folder, fields, as_json)
 
 
 @_command
@@ -161,6 +165,7 @@ def evaluate(
     out: Annotated[
         Path | None, typer.Option("-o", "--out", metavar="DIR", help="Write a result folder too.")
     ] = None,
+    fields: Fields = False,
     as_json: Json = False,
 ) -> int:
     """Measure one design: its cuboids, indices and extremes."""
@@ -173,9 +178,11 @@ def evaluate(
     values = problem.default_values() | _values(problem, at or "")
     if out is not None:
         check_destination(out)
+    elif fields:
+        raise UsageError("--fields writes into a result folder: give one with -o DIR")
     with ProgressLine(sys.stderr) as progress:
         outcome = evaluate_spec(problem, values, progress=progress)
-    return _hand_over(problem, outcome, out, as_json)
+    return _hand_over(problem, outcome, out, fields, as_json)
 
 
 @_command
@@ -225,14 +232,17 @@ def schema() -> int:
     return DONE
 
 
-def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, as_json: bool) -> int:
+def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, fields: bool, as_json: bool) -> int:
     """Write, print, and say how it went."""
+    from orthospec.optimise import fields_of
     from orthospec.result import compose, write_result
     from orthospec.show import show as text
 
     content = compose(spec, outcome.finding)
     if folder is not None:
-        write_result(folder, spec, content, outcome.log)
+        whole = not outcome.interrupted and outcome.finding.status != "failed"
+        kept = fields_of(spec, outcome.finding.design) if fields and whole else None
+        write_result(folder, spec, content, outcome.log, kept)
     if as_json:
         _print_json(content)
     else:
@@ -251,7 +261,7 @@ def _tell_folder(folder: Path, as_json: bool) -> None:
 
 def _code_of(outcome: Outcome) -> int:
     finding = outcome.finding
-    if finding.status == "failed" or finding.errors:
+    if finding.status == "failed":
         return PLUGIN
     if outcome.interrupted or finding.status == "unfinished":
         return STOPPED

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -310,3 +311,18 @@ def test_ctrl_c_keeps_what_was_found(spec: Path) -> None:
     assert process.returncode == 4, error
     assert "Stopped before the end" in out
     assert read_result(Path("runs/small"))["status"] == "unfinished"
+
+
+def test_fields_keeps_the_values_on_the_grid_beside_the_result(spec: Path) -> None:
+    _orthospec("evaluate", "small.yaml", "--fields", "-o", "kept")
+    with np.load(spec.parent / "kept" / "fields.npz") as kept:
+        shape = tuple(len(kept[f"axis_{axis}"]) for axis in "xyz")
+        assert kept["transmission"].shape == (*shape, 2)
+        origin = tuple(int(np.flatnonzero(np.abs(kept[f"axis_{axis}"]) < 1e-12)[0]) for axis in "xyz")
+        assert kept["transmission"][origin] == pytest.approx([1.0, 1.0])
+        assert np.isnan(kept["transmission"][0, 0, 0]).all()
+
+
+@pytest.mark.usefixtures("spec")
+def test_fields_without_a_folder_says_what_to_add() -> None:
+    assert "-o DIR" in _orthospec("evaluate", "small.yaml", "--fields", code=2).stderr

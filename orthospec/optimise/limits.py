@@ -71,9 +71,9 @@ def find_conflicts(found: Attained) -> tuple[Limit, ...]:
     shares = problem.shares(solution.rows, solution.step)
     hard = solution.step.shares[: solution.rows.half_lines.stop][-len(found.start.objective.owners) :]
     whole = float(sum(shares.values()) + hard.sum()) or 1.0
-    at = problem.critical(found.x, math.inf)
+    at = problem.critical(found.x, ACTIVE - found.violation)
     limits = [
-        Limit(c.kind, c.name, c.side, tuple(at[c][:1]), None, None)
+        Limit(c.kind, c.name, c.side, tuple(at[c]), None, None)
         for c, share in sorted(shares.items(), key=lambda item: (-round(item[1] / whole, 6), item[0].name))
         if share > PART * whole
     ]

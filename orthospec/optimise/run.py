@@ -22,8 +22,11 @@ from orthospec.optimise.space import DesignSpace, machine_of, setting_of
 from orthospec.result import Attainment, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
 from orthospec.workspace.evaluate import Evaluation, Setting, evaluate
+from orthospec.workspace.field import fields
+from orthospec.workspace.grid import make_grid
 
 if TYPE_CHECKING:
+    from orthospec.arrays import Array
     from orthospec.workspace.cuboid import Cuboid
     from orthospec.workspace.field import Progress
 
@@ -114,6 +117,13 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
     errors = (*faults, *_failed_nodes(evaluation))
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
     return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, stopped)
+
+
+def fields_of(spec: Spec, design: Design) -> dict[str, Array]:
+    """The measures' values on the spec's grid at a design, with the nodes' coordinates by axis."""
+    setting = setting_of(spec)
+    grid = make_grid(design.manipulator, setting.size, setting.divisions, setting.region)
+    return fields(design.manipulator, design.demands, grid)
 
 
 def _quick(spec: Spec) -> Setting:

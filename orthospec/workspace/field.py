@@ -114,6 +114,30 @@ def node_states(
     return [state.reshape(grid.shape) for state in states], list(failures.values())
 
 
+def fields(manipulator: Manipulator, demands: Sequence[Demand], grid: Grid) -> dict[str, Array]:
+    """Each measure's values on the grid, shaped as the grid (and 2 for least and greatest); NaN out of reach.
+
+    The coordinates of the nodes along axis x stand under ``axis_x``.
+    """
+    found: dict[str, Array] = {f"axis_{manipulator.axes[k]}": grid.axis(k) for k in range(len(grid.shape))}
+    for start in range(0, grid.nodes, BLOCK):
+        poses = grid.poses(start, start + BLOCK)
+        reachable = manipulator.inverse_kinematics(poses)[1]
+        inside = poses[reachable]
+        inside.flags.writeable = False
+        if len(inside) == 0:
+            continue
+        for demand in demands:
+            values = measured(demand, manipulator, inside)
+            if demand.name not in found:
+                found[demand.name] = np.full((grid.nodes, *values.shape[1:]), np.nan)
+            found[demand.name][start : start + len(poses)][reachable] = values
+    for demand in demands:
+        if demand.name in found:
+            found[demand.name] = found[demand.name].reshape(*grid.shape, *found[demand.name].shape[1:])
+    return found
+
+
 def together(states: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
     """The state under all demands: unreachable, failed where one failed, violates where one violates."""
     return np.asarray(np.maximum.reduce(list(states)))

@@ -313,7 +313,7 @@ class FitProblem:
     # What an answer says of the conditions.
 
     def critical(self, x: Array, within: float) -> dict[Condition, list[tuple[float, ...]]]:
-        """The poses where each condition is within so much of its bound (inf: at all slots), worst first."""
+        """The poses where each condition is within so much of its bound, or exceeds it, the worst first."""
         point = self.layout.unpack(x)
         machine = self.machine(point.design)
         self._survey(machine, point)

@@ -49,6 +49,10 @@ class Grid:
         poses.flags.writeable = False
         return poses
 
+    def axis(self, k: int) -> Array:
+        """Coordinates of the nodes along axis k [m, rad]."""
+        return np.asarray((self.first[k] + np.arange(self.shape[k])) * self.step[k], dtype=float)
+
     def cuboid(self, placement: Placement) -> Cuboid:
         """The cuboid that a cube of indices spans."""
         low = [(self.first[k] + i) * self.step[k] for k, i in enumerate(placement.corner)]
