@@ -144,3 +144,8 @@ def test_bounds_that_do_not_bind_are_not_named(spec_of):
     assert finding.status == "attained"
     assert finding.design.values["leg"] == pytest.approx(0.5, rel=1e-12)
     assert {(limit.kind, limit.name) for limit in finding.limits} == {("variable", "leg"), ("goal", "legs")}
+
+
+def test_prices_are_the_same_numbers_each_time(spec_of):
+    first, second = (solve(spec_of(JOINTS)).finding.limits for _ in range(2))
+    assert first == second

@@ -48,9 +48,7 @@ def test_cube_of_transmission_factors_within_1_over_r_and_r(ratio, known):
     assert found.scale == pytest.approx(expected, abs=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("most", "known"), [(2, 0.428152), (3, 0.613062), (4, 0.709760), (1000, 0.984612)]
-)
+@pytest.mark.parametrize(("most", "known"), [(2, 0.428152), (3, 0.613062), (4, 0.709760), (1000, 0.984612)])
 def test_cube_of_condition_numbers_up_to_k(most, known):
     expected = side((most - 1) / (most + 2), (most - 1) / (2 * most + 1))
     assert expected == pytest.approx(known, abs=5e-7)
