@@ -234,7 +234,7 @@ def test_the_trace_of_a_fault_is_shown_on_request(spec: Path, monkeypatch: pytes
 
 
 def _python(script: str, *arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", script, *arguments]
+    command = [sys.executable, "-P", "-c", script, *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, **options)
 
 
@@ -272,7 +272,7 @@ for name in orthospec.__all__:
 def test_a_reader_that_goes_away_is_no_error() -> None:
     reader, writer = os.pipe()
     os.close(reader)
-    command = [sys.executable, "-c", MAIN, "schema"]
+    command = [sys.executable, "-P", "-c", MAIN, "schema"]
     done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
     os.close(writer)
     assert (done.returncode, done.stderr) == (0, "")
@@ -281,7 +281,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 def test_letters_that_the_terminal_lacks_are_no_error() -> None:
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
     done = subprocess.run(
-        [sys.executable, "-c", MAIN, "explain", "condition_number"],
+        [sys.executable, "-P", "-c", MAIN, "explain", "condition_number"],
         capture_output=True,
         timeout=60,
         check=False,
@@ -302,7 +302,7 @@ progress.PLAIN = 0.0
 
 def test_ctrl_c_keeps_what_was_found(spec: Path) -> None:
     spec.write_text(SPEC.replace("starts: 1", "starts: 2000"))
-    command = [sys.executable, "-c", TALKATIVE, "run", spec.name]
+    command = [sys.executable, "-P", "-c", TALKATIVE, "run", spec.name]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         assert "designs on the coarse grid" in process.stderr.readline()

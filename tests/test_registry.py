@@ -116,7 +116,7 @@ def test_a_broken_plugin_is_named_and_the_rest_works(site: Path, target: str, wh
 def test_listing_loads_no_plugin() -> None:
     program = "import sys; from orthospec import registry; registry.installed(); print(*sys.modules)"
     modules = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-P", "-c", program], capture_output=True, text=True, check=True
     ).stdout
     assert "orthospec.registry" in modules
     assert not {"orthospec.measures", "orthospec.manipulators", "numpy", "cvxpy"} & set(modules.split())

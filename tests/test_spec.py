@@ -276,7 +276,7 @@ def test_checking_imports_nothing_heavy(spec_file: Path) -> None:
         "print(*sys.modules)"
     )
     run = subprocess.run(
-        [sys.executable, "-c", program, str(spec_file)], capture_output=True, text=True, check=True
+        [sys.executable, "-P", "-c", program, str(spec_file)], capture_output=True, text=True, check=True
     )
     loaded = set(run.stdout.split())
     assert "orthospec.measures.kinematic" in loaded
