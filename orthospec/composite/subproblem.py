@@ -130,12 +130,16 @@ def _settings() -> Any:
 
 @dataclass(frozen=True)
 class _Piece:
-    """Rows offset − dense·(δ, factor, slack) − auxiliary·a ∈ cones; auxiliary block-diagonal."""
+    """Rows offset − dense·(δ, factor, slack) − auxiliary·a ∈ cones.
+
+    ``auxiliary`` stands ``copies`` times on a block diagonal.
+    """
 
     dense: Array
     offset: Array
-    auxiliary: Any
     cones: Sequence[tuple[str, int]]
+    auxiliary: Array
+    copies: int = 1
 
 
 def _bound_rows(lower: Array, upper: Array) -> _Piece:
@@ -143,13 +147,14 @@ def _bound_rows(lower: Array, upper: Array) -> _Piece:
     dense = np.zeros((2 * n + 1, n + 2))
     dense[:n, :n], dense[n : 2 * n, :n] = -np.eye(n), np.eye(n)
     dense[2 * n, n + 1] = -1.0
-    return _Piece(dense, np.concatenate([-lower, upper, [0.0]]), None, [("nonneg", 2 * n + 1)])
+    offset = np.concatenate([-lower, upper, [0.0]])
+    return _Piece(dense, offset, [("nonneg", 2 * n + 1)], np.zeros((2 * n + 1, 0)))
 
 
 def _half_line_rows(lines: HalfLines, w: Array, jacobian: Array) -> _Piece:
     cut = slice(lines.start, lines.stop)
     dense = np.column_stack([jacobian[cut], -lines.on_factor, -lines.on_slack])
-    return _Piece(dense, -w[cut], None, [("nonneg", len(dense))] if len(dense) else [])
+    return _Piece(dense, -w[cut], [("nonneg", len(dense))] if len(dense) else [], np.zeros((len(dense), 0)))
 
 
 def _block_rows(block: Block, w: Array, jacobian: Array) -> _Piece:
@@ -159,28 +164,29 @@ def _block_rows(block: Block, w: Array, jacobian: Array) -> _Piece:
     dense = np.zeros((block.copies, len(form.offset), slopes.shape[2] + 2))
     dense[:, :, :-2] = form.on_inside @ slopes
     dense[:, :, -1] = form.on_slack
-    offset = form.offset - values @ form.on_inside.T
-    auxiliary: Any = sparse.block_diag([form.on_auxiliary] * block.copies) if block.copies else None
-    return _Piece(dense.reshape(-1, dense.shape[2]), offset.ravel(), auxiliary, form.cones * block.copies)
+    offset = (form.offset - values @ form.on_inside.T).ravel()
+    rows = dense.reshape(-1, dense.shape[2])
+    return _Piece(rows, offset, form.cones * block.copies, form.on_auxiliary, block.copies)
 
 
 def _stack(pieces: Sequence[_Piece], size: int) -> tuple[Any, Array, list[Any]]:
-    dense = sparse.coo_matrix(np.vstack([piece.dense for piece in pieces]))
-    entries = [(dense.row, dense.col, dense.data)]
-    row, column = 0, size - sum(p.auxiliary.shape[1] for p in pieces if p.auxiliary is not None)
+    """The pieces as one sparse matrix of ``size`` columns, its offset and its cones."""
+    dense = np.vstack([piece.dense for piece in pieces])
+    row, column = np.nonzero(dense)
+    entries = [(row, column, dense[row, column])]
+    at, auxiliary = 0, dense.shape[1]
     for piece in pieces:
-        if piece.auxiliary is not None:
-            a = sparse.coo_matrix(piece.auxiliary)
-            entries.append((a.row + row, a.col + column, a.data))
-            column += a.shape[1]
-        row += len(piece.offset)
+        rows, columns = piece.auxiliary.shape
+        i, j = np.nonzero(piece.auxiliary)
+        copy = np.arange(piece.copies)[:, None]
+        data = np.tile(piece.auxiliary[i, j], piece.copies)
+        entries.append(((at + copy * rows + i).ravel(), (auxiliary + copy * columns + j).ravel(), data))
+        at += len(piece.offset)
+        auxiliary += piece.copies * columns
     i, j, data = (np.concatenate(part) for part in zip(*entries, strict=True))
+    matrix = sparse.csc_matrix((data, (i, j)), shape=(at, size))
     cones = [_cone(kind, size) for piece in pieces for kind, size in piece.cones]
-    return (
-        sparse.csc_matrix((data, (i, j)), shape=(row, size)),
-        np.concatenate([p.offset for p in pieces]),
-        cones,
-    )
+    return matrix, np.concatenate([piece.offset for piece in pieces]), cones
 
 
 def _cone(kind: str, size: int) -> Any:
