@@ -44,29 +44,31 @@ class PrismaticLegs(NamedTuple):
 
 def sliders(machine: PrismaticLegs, poses: Poses) -> Joints:
     """ρ (n, 3) [m]; NaN where a leg is too short to close its loop."""
-    d = poses[:, None, :] + (machine.joints - machine.bases)
-    along = np.einsum("nik,ik->ni", d, machine.axes)
+    along, closing = _loops(machine, poses)
     with np.errstate(invalid="ignore"):
-        return np.asarray(along + machine.branches * np.sqrt(_closing(machine, d, along)))
+        return np.asarray(along + machine.branches * np.sqrt(closing))
 
 
 def legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
     """s (n, 3, 3) [m]: row i leads from the platform to slider i."""
-    return rho[:, :, None] * machine.axes + machine.bases - machine.joints - poses[:, None, :]
+    s = rho[:, :, None] * machine.axes
+    s += machine.bases - machine.joints
+    s -= poses[:, None, :]
+    return s
 
 
 def inverse_jacobian(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Matrices:
     """J⁻¹ (n, 3, 3): row i is s_iᵀ / (s_i·e_i); infinite or NaN at a serial singularity."""
     s = legs(machine, poses, rho)
+    along, _ = _loops(machine, poses)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(s / np.einsum("nik,ik->ni", s, machine.axes)[:, :, None])
+        s /= (rho - along)[:, :, None]
+    return s
 
 
 def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
     """(s_i·e_i / L_i)² less the clearance (n, 3): >= 0 where leg i closes its loop, smooth in the pose."""
-    d = poses[:, None, :] + (machine.joints - machine.bases)
-    along = np.einsum("nik,ik->ni", d, machine.axes)
-    return _closing(machine, d, along) / machine.lengths**2 - CLEARANCE**2
+    return np.asarray(_loops(machine, poses)[1] / machine.lengths**2 - CLEARANCE**2)
 
 
 def unit_legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
@@ -80,7 +82,11 @@ def volume_margin(rows: Array, sign: float) -> Array:
     It has the sign of ``sign`` det J⁻¹ and is 0 at a parallel singularity, where J⁻¹ loses rank though a
     measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly.
     """
-    return np.asarray(sign * np.einsum("ni,ni->n", rows[:, 0], np.cross(rows[:, 1], rows[:, 2])))
+    a, b, c = (rows[:, i].T for i in range(3))
+    volume = a[0] * (b[1] * c[2] - b[2] * c[1])
+    volume += a[1] * (b[2] * c[0] - b[0] * c[2])
+    volume += a[2] * (b[0] * c[1] - b[1] * c[0])
+    return np.asarray(sign * volume)
 
 
 def pairs_margin(rows: Array, axes: Array) -> Array:
@@ -91,11 +97,14 @@ def pairs_margin(rows: Array, axes: Array) -> Array:
     There this sum passes through 0. It is 3 where the legs lie along their slides; with unequal legs it also
     leaves out a little beside serial singularities.
     """
-    n = np.einsum("nik,jk->nij", rows, axes)
+    n = (rows.reshape(-1, 3) @ axes.T).reshape(rows.shape)
     minors = [n[:, i, i] * n[:, j, j] - n[:, i, j] * n[:, j, i] for i, j in ((0, 1), (0, 2), (1, 2))]
     return np.asarray(np.sum(minors, axis=0))
 
 
-def _closing(machine: PrismaticLegs, d: Array, along: Array) -> Array:
-    """(s_i·e_i)² (n, 3), negative where the loop cannot close."""
-    return np.asarray(machine.lengths**2 - np.einsum("nik,nik->ni", d, d) + along**2)
+def _loops(machine: PrismaticLegs, poses: Poses) -> tuple[Array, Array]:
+    """d_i·e_i [m] and (s_i·e_i)² [m^2], (n, 3) each; the second is negative where the loop cannot close."""
+    offsets = machine.joints - machine.bases
+    along = poses @ machine.axes.T + np.sum(offsets * machine.axes, axis=1)
+    square = np.sum(poses**2, axis=1)[:, None] + 2 * poses @ offsets.T + np.sum(offsets**2, axis=1)
+    return along, machine.lengths**2 - square + along**2
