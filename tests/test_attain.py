@@ -177,6 +177,12 @@ class TestKindsOfGoals:
         assert finding.attainment.factor is None
         assert LEG * (1 - 1e-9) <= finding.design.values["leg"] <= 0.32 * (1 + 1e-9)
 
+    @pytest.mark.parametrize("goal", ["minimise: leg, goal: 0", "maximise: -leg, goal: 0"])
+    def test_a_goal_of_zero_has_no_size_of_its_own_and_is_attained_all_the_same(self, cube, goal):
+        finding = cube(f"  legs: {{{goal}}}")
+        assert finding.attainment.factor == pytest.approx(LEG, rel=1e-8)
+        assert finding.search.subproblems <= 30
+
 
 class TestWorkspace:
     def test_apart_each_measure_has_its_own_cuboid(self, cube):

@@ -184,7 +184,7 @@ def problem_of(space, z):
     limits = Limits((np.zeros(2), np.ones(2)), Cuboid((-2.0,) * 3, (2.0,) * 3), (1e-3, 1e3))
     group = Group(("transmission", "condition", "volume"), (0.05, -0.1, 0.02))
     problem = FitProblem(space.machine, np.array([1.0, 1.0, 0.8]), [group], objective, limits, (z, 0.5))
-    objective.settle_senses(space.machine(z), problem.layout.unpack(problem.start))
+    objective.settle(space.machine(z), problem.layout.unpack(problem.start))
     return problem
 
 

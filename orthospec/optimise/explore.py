@@ -12,9 +12,10 @@ from orthospec.errors import UnbuildableDesign, UsageError
 from orthospec.optimise.objective import GoalObjective, scale_is_asked
 from orthospec.optimise.space import DesignSpace, machine_of, setting_of
 from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
+from orthospec.workspace.evaluate import Setting
 from orthospec.workspace.field import State, node_states, together
 from orthospec.workspace.fit import FitProblem, Group
-from orthospec.workspace.grid import Grid, make_grid
+from orthospec.workspace.grid import Grid, make_grid, reach_box
 from orthospec.workspace.layout import Limits
 from orthospec.workspace.machine import Machine
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 COARSE = 10
 """Divisions of the prescribed size on the coarse grid."""
+MOST_COARSE = 500_000
+"""Most nodes, roughly, of a coarse grid."""
 KEPT = 3
 """Starts that go on to the local solver."""
 DISTINCT = 0.02
@@ -102,7 +105,7 @@ def _start(
     problem = FitProblem(
         space.machine, np.array(space.spec.workspace.size), groups, objective, limits, (z, scale)
     )
-    objective.settle_senses(space.machine(z), problem.layout.unpack(problem.start))
+    objective.settle(space.machine(z), problem.layout.unpack(problem.start))
     judged = problem.assess(problem.start)
     merit = judged.factor + 10 * judged.violation if np.isfinite(judged.violation) else np.inf
     return Start(space, z, problem, objective, merit)
@@ -121,7 +124,7 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | 
     setting = setting_of(space.spec)
     bounded = [demand for demand in machine.demands.values() if demand.bounds]
     free = [name for name, demand in machine.demands.items() if not demand.bounds]
-    grid = make_grid(machine.manipulator, setting.size, min(setting.divisions, COARSE), setting.region)
+    grid = _coarse_grid(machine, setting)
     states, _ = node_states(machine.manipulator, bounded, grid)
     reach = np.where(states[0] == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
     if setting.together:
@@ -137,6 +140,14 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | 
         groups.append(Group(names, tuple(map(float, found.centre))))
         scales.append(float(np.max(found.size / setting.size)))
     return groups, min(scales)
+
+
+def _coarse_grid(machine: Machine, setting: Setting) -> Grid:
+    """A grid of few nodes over the region or the reach, however large that is beside the cuboid."""
+    region = setting.region or reach_box(machine.manipulator, setting.size)
+    cuboids = float(np.prod(region.size / setting.size))
+    divisions = (MOST_COARSE / cuboids) ** (1 / len(setting.size))
+    return make_grid(machine.manipulator, setting.size, min(setting.divisions, COARSE, divisions), region)
 
 
 def _cuboid(grid: Grid, states: NDArray[np.uint8]) -> Cuboid | None:

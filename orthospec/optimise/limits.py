@@ -129,20 +129,21 @@ def _condition_binding(condition: Condition, at: tuple[tuple[float, ...], ...]) 
 
 
 def _goal_bindings(found: Attained) -> Iterator[_Binding]:
-    """Goals whose row binds: a soft one at λ, a hard one at its bound."""
+    """Goals whose row binds: a soft one at λ, a hard one at its bound. A goal at 0 has no price."""
     objective, problem = found.start.objective, found.start.problem
     point = problem.layout.unpack(found.x)
     rows = objective.rows(problem.machine(point.design), point)
     gaps = rows - objective.on_factor * (found.factor if problem.has_factor else 0.0)
-    sizes = {goal.name: abs(goal.goal) or 1.0 for goal in found.start.space.design(found.z).goals}
+    goals = {goal.name: abs(goal.goal) for goal in found.start.space.design(found.z).goals}
     binding: dict[str, None] = {}
     for owner, gap in zip(objective.owners, gaps, strict=True):
-        if abs(gap) <= ACTIVE * sizes[owner]:
+        if abs(gap) <= ACTIVE * (goals[owner] or 1.0):
             binding[owner] = None
     for name in binding:
-        step = PERCENT * sizes[name]
+        step = PERCENT * goals[name]
         limit = Limit("goal", name, None, (), None, None)
-        yield _Binding(limit, _Shift(goal=(name, step)), _Shift(goal=(name, -step)))
+        moved = (_Shift(goal=(name, step)), _Shift(goal=(name, -step))) if step else (None, None)
+        yield _Binding(limit, *moved)
 
 
 def _priced(found: Attained, binding: _Binding) -> Limit:
@@ -164,8 +165,8 @@ def _factor(found: Attained, shift: _Shift | None) -> float | None:
     start = found.start
     if shift is None or not start.problem.has_factor:
         return None
-    objective = GoalObjective(start.space, found.z, dict([shift.goal]) if shift.goal else None)
-    objective.reversed = start.objective.reversed
+    moved = dict([shift.goal]) if shift.goal else None
+    objective = GoalObjective(start.space, found.z, moved).like(start.objective)
     limits = start.problem.layout.limits
     if shift.variable is not None:
         limits = replace(limits, design=_moved(limits.design, *shift.variable))

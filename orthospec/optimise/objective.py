@@ -63,18 +63,38 @@ class GoalObjective:
             if row.sign > 0 and row.piece.names & moving
             for joint in range(self._joints)
         ]
-        weights = np.array([design.goals[row.goal].weight for row in self._rows])
-        goals = np.array([abs(design.goals[row.goal].goal) for row in self._rows])
-        soft = weights > 0
-        sizes = np.maximum(goals[soft], 1e-12) / weights[soft]
-        self.unit = float(sizes.min()) if soft.any() else 1.0
-        self.on_factor = weights * self.unit
-        self.on_slack = np.where(soft, 0.0, np.where(goals > 0, goals, 1.0))
+        self._weights = np.array([design.goals[row.goal].weight for row in self._rows])
+        self._sizes = np.array([abs(design.goals[row.goal].goal) or 1.0 for row in self._rows])
         self.owners = tuple(design.goals[row.goal].name for row in self._rows)
         self.reversed: frozenset[Extreme] = frozenset()
 
-    def settle_senses(self, machine: Machine, point: Point) -> None:
-        """Find which extremes some row wants worse than they are: those need a row of their own."""
+    @property
+    def unit(self) -> float:
+        """What one unit of the factor is in λ: the least size of a soft goal over its weight."""
+        soft = self._weights > 0
+        return float((self._sizes[soft] / self._weights[soft]).min(initial=np.inf)) if soft.any() else 1.0
+
+    @property
+    def on_factor(self) -> Array:
+        """Weights in units of the factor (r,); 0 for a hard row."""
+        return self._weights * self.unit
+
+    @property
+    def on_slack(self) -> Array:
+        """Sizes of the hard rows (r,); 0 for a soft one."""
+        return np.where(self._weights > 0, 0.0, self._sizes)
+
+    def settle(self, machine: Machine, point: Point) -> None:
+        """Learn from the start what cannot be known before: sizes of goals at 0, senses of extremes.
+
+        A goal at 0 has no size of its own and takes that of its value. An extreme that some row wants worse
+        than it is needs a row of its own.
+        """
+        goals = self._space.design(point.design).goals
+        values = np.abs(self.rows(machine, point))
+        at_zero = np.array([goals[row.goal].goal == 0 for row in self._rows], dtype=bool)
+        usable = at_zero & np.isfinite(values) & (values > 0)
+        self._sizes = np.where(usable, values, self._sizes)
         found = set()
         for e, extreme in enumerate(self.extremes):
             values = point.extremes.copy()
@@ -83,6 +103,11 @@ class GoalObjective:
             if (extreme.sign * change < 0).any():
                 found.add(extreme)
         self.reversed = frozenset(found)
+
+    def like(self, other: GoalObjective) -> GoalObjective:
+        """This objective with what another one has learnt at the start."""
+        self._sizes, self.reversed = other._sizes, other.reversed
+        return self
 
     def rows(self, machine: Machine, point: Point) -> Array:
         """The rows g (r,); NaN where a goal has no value."""

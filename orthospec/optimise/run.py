@@ -111,7 +111,7 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
         found.designs,
         found.starts,
         best.subproblems if best is not None else 0,
-        None if best is None or best.feasible else best.violation,
+        None if best is None or best.feasible else float(best.violation),
         _conflicts(best, limits) if status == "infeasible" else (),
     )
     errors = (*faults, *_failed_nodes(evaluation))

@@ -60,7 +60,7 @@ class Grid:
         return Cuboid(tuple(map(float, low)), tuple(map(float, high)))
 
 
-def make_grid(manipulator: Manipulator, size: Array, divisions: int, region: Cuboid | None) -> Grid:
+def make_grid(manipulator: Manipulator, size: Array, divisions: float, region: Cuboid | None) -> Grid:
     """The grid of steps size / divisions over the region, or over the reach where none is given.
 
     Raises UsageError where the reach cannot be found, or not one node lies in the region.
