@@ -112,13 +112,16 @@ def test_what_has_no_content_is_left_out(spec: Spec, finding: Finding) -> None:
     assert set(content["provenance"]) == {"orthospec", "spec_sha256"}
 
 
-def test_the_largest_gain_comes_first_and_minus_zero_is_zero(spec: Spec, finding: Finding) -> None:
+def test_each_limit_has_all_its_keys_in_the_order_found_and_minus_zero_is_zero(
+    spec: Spec, finding: Finding
+) -> None:
     limits = compose(spec, _full(spec, finding))["limits"]
     assert [(limit["kind"], limit["gain"]) for limit in limits] == [
-        ("bound", 0.001),
-        ("bound", 0.0),
         ("variable", None),
+        ("bound", 0.0),
+        ("bound", 0.001),
     ]
+    assert {tuple(limit) for limit in limits} == {("kind", "name", "side", "at", "gain", "cost")}
     assert math.copysign(1.0, limits[1]["at"][0][2]) == 1.0
 
 

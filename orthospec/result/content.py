@@ -80,7 +80,7 @@ def _design(spec: Spec, finding: Finding) -> dict[str, Any]:
         "manipulator": {"use": spec.manipulator.use, **_fields(finding.design.manipulator)},
         **_given(indices=_by_name(evaluation.indices), joints=_joints(evaluation)),
         "workspace": _workspace(evaluation),
-        **_given(limits=_limits(finding.limits)),
+        **({"limits": _limits(finding.limits)} if finding.search is not None else {}),
     }
 
 
@@ -138,17 +138,17 @@ def _value(value: Value | None) -> dict[str, Any] | None:
 
 
 def _limits(limits: Iterable[Limit]) -> list[dict[str, Any]]:
-    """The largest gain first; those whose price is not known last."""
-    ordered = sorted(limits, key=lambda limit: math.inf if limit.gain is None else -limit.gain)
+    """What binds, in the order in which it was found: the largest gain first."""
     return [
         {
             "kind": limit.kind,
             "name": limit.name,
-            **_given(side=limit.side, at=[_numbers(pose) for pose in limit.at]),
+            "side": limit.side,
+            "at": [_numbers(pose) for pose in limit.at],
             "gain": None if limit.gain is None else _number(limit.gain),
             "cost": None if limit.cost is None else _number(limit.cost),
         }
-        for limit in ordered
+        for limit in limits
     ]
 
 
