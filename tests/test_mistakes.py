@@ -326,3 +326,27 @@ def test_a_file_that_is_not_text(tmp_path: Path) -> None:
     path.write_bytes(b"orthospec: 1\ntitle: \xe9\n")
     with pytest.raises(SpecError, match=r"spec\.yaml:2:8: not UTF-8 text; save the file as UTF-8"):
         load_spec(path)
+
+
+def test_a_misspelt_plugin_hides_no_other_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "spec.yaml"
+    path.write_text(
+        "orthospec: 1\n"
+        "manipulator: {use: orthoglid, leg_lengths: [1, 1]}\n"
+        "workspace: {size: [1, 1, 1 kg]}\n"
+        "measures:\n"
+        "  transmission: {use: velocity_transmision, at_mots: 2}\n"
+    )
+    with pytest.raises(SpecError) as caught:
+        load_spec(path)
+    assert [(m.line, m.message.split(";")[0].split(": give")[0]) for m in caught.value.mistakes] == [
+        (2, "unknown manipulator 'orthoglid'"),
+        (2, "3 values were expected, 2 given"),
+        (3, "1 kg is a mass, a length [m] was expected"),
+        (
+            5,
+            "'transmission' asks for nothing: give it 'at_least', 'at_most' or 'levels', or name it in a goal",
+        ),
+        (5, "unknown measure 'velocity_transmision'"),
+        (5, "unknown key 'at_mots'"),
+    ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -105,7 +106,10 @@ def _find(draft: Draft, path: Keys, group: str, name: str, find: Callable[[str],
         return find(name)
     except UsageError as error:
         draft.wrong(path, str(error))
-        return None
+        # The rest is checked against what was probably meant, so that its mistakes are told at once too.
+        installed = registry.names(group)
+        meant = [] if name in installed else difflib.get_close_matches(name, installed, n=1)
+        return _find(draft, path, group, meant[0], find) if meant else None
     except PluginFault as fault:
         raise PluginFault(fault.plugin, fault.what, draft.document.place(path)) from fault
 
