@@ -95,12 +95,13 @@ class GoalObjective:
         at_zero = np.array([goals[row.goal].goal == 0 for row in self._rows], dtype=bool)
         usable = at_zero & np.isfinite(values) & (values > 0)
         self._sizes = np.where(usable, values, self._sizes)
+        own = np.array([row.leader is None for row in self._rows], dtype=bool)
         found = set()
         for e, extreme in enumerate(self.extremes):
             values = point.extremes.copy()
             values[e] += BUMP * max(abs(values[e]), 1e-6)
             change = self.rows(machine, point._replace(extremes=values)) - self.rows(machine, point)
-            if (extreme.sign * change < 0).any():
+            if (extreme.sign * change[own] < 0).any():
                 found.add(extreme)
         self.reversed = frozenset(found)
 
