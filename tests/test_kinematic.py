@@ -141,7 +141,8 @@ def test_slack_of_the_form_is_the_logarithm_of_value_over_bound(measure, side):
 @pytest.mark.parametrize(("measure", "side"), SIDES)
 def test_form_takes_a_plain_number_as_its_bound(measure, side):
     """As a plugin's author tries it by hand: constraints of one inside, with constants."""
-    cp = pytest.importorskip("cvxpy")
+    import cvxpy as cp
+
     machine = Orthoglide(leg_lengths=(1.0, 1.2, 0.9))
     pose = np.array([[0.1, -0.2, 0.15]])
     value = float(bounded_side(measure.values(machine, pose), side)[0])
