@@ -49,3 +49,23 @@ def test_rows_of_a_leading_joint_never_exceed_the_goal_s_own_row():
     rows = objective.rows(space.machine(z), Point(z, np.zeros((1, 3)), 1.0, ends))
     assert (rows[1:] <= rows[0]).all()
     assert rows[0] == pytest.approx(0.3 + 0.16 - 1)
+
+
+def test_a_spec_without_goals_that_cannot_be_met_names_what_conflicts():
+    spec = spec_with("orthoglide-200.yaml", "goals={}", "variables.leg={min: 250 mm, max: 300 mm}")
+    finding = solve(spec).finding
+    assert finding.status == "infeasible"
+    assert {(limit.kind, limit.name) for limit in finding.limits} == {
+        ("bound", "transmission"),
+        ("variable", "leg"),
+    }
+
+
+def test_without_measures_the_reach_alone_has_one_cuboid_also_where_each_would_have_its_own():
+    spec = spec_with("orthoglide-200.yaml", "measures={}", "workspace.together=false")
+    finding = solve(spec).finding
+    assert finding.status == "attained"
+    assert finding.design.values["leg"] == 0.25
+    assert finding.evaluation.joint is not None
+    # Legs of 250 mm reach a cube of (1/sqrt 3 + 1/sqrt 6) L without passing a singularity.
+    assert finding.evaluation.joint.scale * 0.2 == pytest.approx(0.25 * (3**-0.5 + 6**-0.5), rel=1e-6)

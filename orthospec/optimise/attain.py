@@ -58,8 +58,9 @@ class Attained:
         """The prescribed cuboids, by measure; "" names the joint one."""
         problem = self.start.problem
         placed = zip(problem.groups, problem.cuboids(self.x), strict=True)
-        together = self.start.space.spec.workspace.together
-        return {"" if together else group.names[0]: cuboid for group, cuboid in placed}
+        design = self.start.space.design(self.z)
+        apart = not self.start.space.spec.workspace.together and any(d.bounds for d in design.demands)
+        return {group.names[0] if apart else "": cuboid for group, cuboid in placed}
 
     @property
     def z(self) -> Array:

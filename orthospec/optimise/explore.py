@@ -127,7 +127,7 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | 
     grid = _coarse_grid(machine, setting)
     states, _ = node_states(machine.manipulator, bounded, grid)
     reach = np.where(states[0] == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
-    if setting.together:
+    if setting.together or not bounded:
         parts = [(tuple(machine.demands), together(states))]
     else:
         parts = [((demand.name,), state) for demand, state in zip(bounded, states, strict=True)]

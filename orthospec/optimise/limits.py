@@ -69,7 +69,8 @@ def find_conflicts(found: Attained) -> tuple[Limit, ...]:
     if solution is None or solution.rows is None or solution.step is None:
         return ()
     shares = problem.shares(solution.rows, solution.step)
-    hard = solution.step.shares[: solution.rows.half_lines.stop][-len(found.start.objective.owners) :]
+    owners, stop = found.start.objective.owners, solution.rows.half_lines.stop
+    hard = solution.step.shares[stop - len(owners) : stop]
     whole = float(sum(shares.values()) + hard.sum()) or 1.0
     at = problem.critical(found.x, ACTIVE - found.violation)
     limits = [
@@ -77,9 +78,7 @@ def find_conflicts(found: Attained) -> tuple[Limit, ...]:
         for c, share in sorted(shares.items(), key=lambda item: (-round(item[1] / whole, 6), item[0].name))
         if share > PART * whole
     ]
-    goals = {
-        owner for owner, share in zip(found.start.objective.owners, hard, strict=True) if share > PART * whole
-    }
+    goals = {owner for owner, share in zip(owners, hard, strict=True) if share > PART * whole}
     limits += [Limit("goal", owner, None, (), None, None) for owner in sorted(goals)]
     ends = [binding for binding in _variable_bindings(found) if _pushes(found, binding)]
     return (*limits, *(binding.limit for binding in ends))

@@ -132,7 +132,7 @@ def evaluate(
         for (demand, level), state in zip(levels, states[len(bounded) :], strict=False)
     ]
     joint = None
-    if setting.together:
+    if setting.together or not bounded:
         everything = together(states[: max(len(bounded), 1)])
         joint = next(iter(own.values())) if len(bounded) == 1 else look.largest(bounded, everything)
     places = _places(setting, joint, own, prescribed)
