@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from orthospec.errors import UnbuildableDesign, UsageError
 from orthospec.optimise.objective import GoalObjective, scale_is_asked
-from orthospec.optimise.space import DesignSpace, machine_of, setting_of
+from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
 from orthospec.workspace.evaluate import Setting
 from orthospec.workspace.field import State, node_states, together
@@ -77,14 +77,14 @@ def start_at(space: DesignSpace, z: Array) -> Start | None:
         return None
     groups, scale = placed
     objective = GoalObjective(space, z)
+    box = np.zeros(len(z)), np.ones(len(z))
+    whole = Limits(box, space.setting.region)
     if scale_is_asked(design.goals):
-        return _start(
-            space, z, groups, objective, max(scale, 0.05), Limits(_box(space), _region(space), SCALES)
-        )
-    whole = _start(space, z, groups, objective, 1.0, Limits(_box(space), _region(space)))
-    if np.isfinite(whole.merit):
-        return whole
-    limits = Limits(_box(space), _region(space), (SMALLEST, 1.0), least_scale=1.0)
+        return _start(space, z, groups, objective, max(scale, 0.05), replace(whole, scale=SCALES))
+    start = _start(space, z, groups, objective, 1.0, whole)
+    if np.isfinite(start.merit):
+        return start
+    limits = replace(whole, scale=(SMALLEST, 1.0), least_scale=1.0)
     part = 0.95 * min(1.0, max(scale, 0.05))
     while part > SMALLEST:
         start = _start(space, z, groups, objective, part, limits)
@@ -102,26 +102,16 @@ def _start(
     scale: float,
     limits: Limits,
 ) -> Start:
-    problem = FitProblem(
-        space.machine, np.array(space.spec.workspace.size), groups, objective, limits, (z, scale)
-    )
+    problem = FitProblem(space.machine, space.setting.size, groups, objective, limits, (z, scale))
     objective.settle(space.machine(z), problem.layout.unpack(problem.start))
     judged = problem.assess(problem.start)
     merit = judged.factor + 10 * judged.violation if np.isfinite(judged.violation) else np.inf
     return Start(space, z, problem, objective, merit)
 
 
-def _box(space: DesignSpace) -> tuple[Array, Array]:
-    return np.zeros(len(space.names)), np.ones(len(space.names))
-
-
-def _region(space: DesignSpace) -> Cuboid | None:
-    return setting_of(space.spec).region
-
-
 def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | None:
     """The groups of demands, their cuboids' centres on a coarse grid, and the least scale of these."""
-    setting = setting_of(space.spec)
+    setting = space.setting
     bounded = [demand for demand in machine.demands.values() if demand.bounds]
     free = [name for name, demand in machine.demands.items() if not demand.bounds]
     grid = _coarse_grid(machine, setting)

@@ -23,7 +23,7 @@ class DesignSpace:
     """Maps scaled designs z (k,) to designs; building one raises UnbuildableDesign where there is none."""
 
     def __init__(self, spec: Spec) -> None:
-        self.spec = spec
+        self.spec, self.setting = spec, setting_of(spec)
         self.names = tuple(spec.variables)
         self.low = np.array([v.min for v in spec.variables.values()], dtype=float)
         self.high = np.array([v.max for v in spec.variables.values()], dtype=float)

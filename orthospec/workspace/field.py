@@ -7,7 +7,7 @@ cuboid, and a failed node is never silent: one at the isotropic pose shrinks the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING
@@ -76,6 +76,21 @@ def _title(demand: Demand) -> str:
     return f"{type(demand.measure).__name__} (measure {demand.name})"
 
 
+def _reachable_blocks(
+    manipulator: Manipulator, grid: Grid, progress: Progress | None
+) -> Iterator[tuple[NDArray[np.intp], Poses]]:
+    """Block by block, the numbers of the reachable nodes and their poses, read-only; no empty block."""
+    for start in range(0, grid.nodes, BLOCK):
+        poses = grid.poses(start, start + BLOCK)
+        reachable = manipulator.inverse_kinematics(poses)[1]
+        if progress is not None:
+            progress("grid", start + len(poses), grid.nodes)
+        inside = poses[reachable]
+        inside.flags.writeable = False
+        if len(inside):
+            yield start + np.flatnonzero(reachable), inside
+
+
 def node_states(
     manipulator: Manipulator,
     demands: Sequence[Demand],
@@ -89,15 +104,7 @@ def node_states(
     """
     states = [np.zeros(grid.nodes, dtype=np.uint8) for _ in demands or (None,)]
     failures: dict[str, Failure] = {}
-    for start in range(0, grid.nodes, BLOCK):
-        poses = grid.poses(start, start + BLOCK)
-        reachable = manipulator.inverse_kinematics(poses)[1]
-        if progress is not None:
-            progress("grid", min(start + BLOCK, grid.nodes), grid.nodes)
-        inside = poses[reachable]
-        inside.flags.writeable = False
-        if len(inside) == 0:
-            continue
+    for nodes, inside in _reachable_blocks(manipulator, grid, progress):
         values: dict[int, Array] = {}
         for k, demand in enumerate(demands):
             if id(demand.measure) not in values:
@@ -105,12 +112,12 @@ def node_states(
             found = values[id(demand.measure)]
             failed = np.isnan(found).any(axis=tuple(range(1, found.ndim)))
             met = np.where(demand.meets(found), State.MEETS, State.VIOLATES)
-            states[k][start : start + len(poses)][reachable] = np.where(failed, State.FAILED, met)
+            states[k][nodes] = np.where(failed, State.FAILED, met)
             if failed.any() and demand.name not in failures:
                 pose = tuple(map(float, inside[int(np.argmax(failed))]))
                 failures[demand.name] = Failure(demand.name, pose, demand.place)
         if not demands:
-            states[0][start : start + len(poses)][reachable] = State.MEETS
+            states[0][nodes] = State.MEETS
     return [state.reshape(grid.shape) for state in states], list(failures.values())
 
 
@@ -120,18 +127,12 @@ def fields(manipulator: Manipulator, demands: Sequence[Demand], grid: Grid) -> d
     The coordinates of the nodes along axis x stand under ``axis_x``.
     """
     found: dict[str, Array] = {f"axis_{manipulator.axes[k]}": grid.axis(k) for k in range(len(grid.shape))}
-    for start in range(0, grid.nodes, BLOCK):
-        poses = grid.poses(start, start + BLOCK)
-        reachable = manipulator.inverse_kinematics(poses)[1]
-        inside = poses[reachable]
-        inside.flags.writeable = False
-        if len(inside) == 0:
-            continue
+    for nodes, inside in _reachable_blocks(manipulator, grid, None):
         for demand in demands:
             values = measured(demand, manipulator, inside)
             if demand.name not in found:
                 found[demand.name] = np.full((grid.nodes, *values.shape[1:]), np.nan)
-            found[demand.name][start : start + len(poses)][reachable] = values
+            found[demand.name][nodes] = values
     for demand in demands:
         if demand.name in found:
             found[demand.name] = found[demand.name].reshape(*grid.shape, *found[demand.name].shape[1:])
