@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     Joints: TypeAlias = Annotated[NDArray[np.float64], "n m"]
     Matrices: TypeAlias = Annotated[NDArray[np.float64], "n m m"]
     Flags: TypeAlias = Annotated[NDArray[np.bool_], "n"]
-    Mask: TypeAlias = Annotated[NDArray[np.uint8], "i j k"]
 else:
 
     class _Numpy:

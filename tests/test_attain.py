@@ -330,6 +330,16 @@ class TestEvaluateSpec:
         assert found.attainment.goals["l"].value == LEG
         assert evaluate_spec(spec).finding.design.values == {"leg": 0.375}
 
+    def test_a_sweep_leaves_out_the_points_without_a_machine_and_says_so(self, spec_of):
+        sweep = "sweep: {variable: leg, from: -0.1, to: 0.3, points: 3}\n"
+        found = evaluate_spec(spec_of(SHORTEST + sweep)).finding
+        assert found.status == "evaluated"
+        assert [finding.design.values["leg"] for finding in found.sweep] == pytest.approx([0.1, 0.3])
+        (error,) = found.errors
+        assert error.name == "sweep"
+        assert error.place is not None
+        assert "at leg = -0.1: no machine can be built" in error.message
+
     def test_a_sweep_evaluates_along_its_variable(self, spec_of):
         found = evaluate_spec(
             spec_of(SHORTEST + "sweep: {variable: leg, from: 0.3, to: 0.4, points: 3}\n")

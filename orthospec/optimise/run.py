@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from orthospec.errors import PluginFault
+from orthospec.errors import OrthospecError, PluginFault
 from orthospec.optimise.attain import Attained, hunt
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
@@ -69,10 +69,10 @@ def evaluate_spec(
     clock = _Clock()
     design = spec.design(spec.default_values() if values is None else values)
     evaluation, faults = clock.time("evaluate", lambda: _evaluate(design, setting_of(spec), None, progress))
-    sweep = clock.time("sweep", lambda: _sweep(spec, design, progress))
+    sweep, left_out = clock.time("sweep", lambda: _sweep(spec, design, progress))
     status: Status = "failed" if faults else "evaluated"
     attainment = _attainment(design, evaluation)
-    errors = (*faults, *_failed_nodes(evaluation))
+    errors = (*faults, *_failed_nodes(evaluation), *left_out)
     finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=errors)
     return Outcome(finding, {"seconds": clock.seconds})
 
@@ -102,9 +102,11 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
     status = "unfinished" if stopped else _status(best, evaluation, attainment, faults)
     limits: tuple[Limit, ...] = ()
     sweep: tuple[Finding, ...] = ()
+    left_out: tuple[PluginError, ...] = ()
     try:
         limits = clock.time("limits", lambda: _limits(best, status, progress))
-        sweep = () if stopped else clock.time("sweep", lambda: _sweep(spec, design, progress))
+        if not stopped:
+            sweep, left_out = clock.time("sweep", lambda: _sweep(spec, design, progress))
     except KeyboardInterrupt:
         stopped, status = True, "unfinished"
     search = Search(
@@ -114,7 +116,7 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
         None if best is None or best.feasible else float(best.violation),
         _conflicts(best, limits) if status == "infeasible" else (),
     )
-    errors = (*faults, *_failed_nodes(evaluation))
+    errors = (*faults, *_failed_nodes(evaluation), *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
     return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, stopped)
 
@@ -228,17 +230,29 @@ def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, .
     return tuple(found)
 
 
-def _sweep(spec: Spec, design: Design, progress: Progress | None) -> tuple[Finding, ...]:
-    """The design evaluated along one variable, the others as they are."""
+def _sweep(
+    spec: Spec, design: Design, progress: Progress | None
+) -> tuple[tuple[Finding, ...], tuple[PluginError, ...]]:
+    """The design evaluated along one variable, the others as they are; and the points that cannot be.
+
+    A point without a machine, or whose reach cannot be found, must not lose the rest.
+    """
     if spec.sweep is None:
-        return ()
-    found = []
+        return (), ()
+    found, left_out = [], []
+    variable = spec.sweep.variable
     values = np.linspace(spec.sweep.start, spec.sweep.stop, spec.sweep.points)
-    for k, value in enumerate(values):
+    for k, value in enumerate(map(float, values)):
         if progress is not None:
             progress("sweep", k, len(values))
-        here = spec.design({**design.values, spec.sweep.variable: float(value)})
-        evaluation, faults = _evaluate(here, setting_of(spec), None, None)
+        try:
+            here = spec.design({**design.values, variable: value})
+            evaluation, faults = _evaluate(here, setting_of(spec), None, None)
+        except OrthospecError as error:
+            left_out.append(
+                PluginError("sweep", spec.place(("sweep",)), f"at {variable} = {value:g}: {error}")
+            )
+            continue
         errors = (*faults, *_failed_nodes(evaluation))
         found.append(Finding("failed" if faults else "evaluated", here, evaluation, errors=errors))
-    return tuple(found)
+    return tuple(found), tuple(left_out)
