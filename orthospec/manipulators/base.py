@@ -11,11 +11,13 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 
+from orthospec.arrays import np
 from orthospec.errors import OrthospecError, PluginFault
+from orthospec.mechanics import inertia
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags, Joints, Matrices, Poses
@@ -28,6 +30,17 @@ class Skeleton:
     segments: Array
     radii: Array
     names: tuple[str, ...]
+
+
+class ActuatorLimits(NamedTuple):
+    """What each actuator can do, (m,) each; inf where no limit is given."""
+
+    forces: Array
+    """Greatest force or torque [N or N*m]."""
+    speeds: Array
+    """Greatest speed [m/s or rad/s]."""
+    friction: Array
+    """Coulomb friction, which takes its part of the force [N or N*m]."""
 
 
 class Manipulator(BaseModel, ABC):
@@ -74,8 +87,38 @@ class Manipulator(BaseModel, ABC):
     def inverse_jacobian(self, poses: Poses) -> Matrices:
         """J⁻¹ = ∂ρ/∂p, (n, m, m): joint rates for a unit rate of each pose coordinate."""
 
+    def compliance(self, poses: Poses) -> Array:
+        """C (n, 6, 6) at the tool [m/N, rad/N, rad/(N*m)], in the order x y z rx ry rz; optional.
+
+        All entries are inf where the machine is loose, that is where its stiffness is singular.
+        """
+        raise NotImplementedError
+
+    def joint_inertia(self, poses: Poses) -> Matrices:
+        """D (n, m, m), the inertia in joint space [kg, kg*m^2]; optional."""
+        raise NotImplementedError
+
+    def rest_load(self, poses: Poses) -> Joints:
+        """The actuator forces (n, m) that hold the machine still [N, N*m]: none without gravity."""
+        return np.zeros((len(poses), len(self.joint_units)))
+
+    def velocity_forces(self, poses: Poses) -> Array:
+        """Q (n, m, d, d), symmetric: actuator i exerts ṗᵀ Q_i ṗ at a constant tool velocity ṗ.
+
+        From differences of the inertia at the tool, to about 1e-9, where a machine gives no formula.
+        """
+        return inertia.velocity_forces(self, poses)
+
+    def actuator_limits(self) -> ActuatorLimits:
+        """What the actuators can do; no limits where a machine gives none."""
+        m = len(self.joint_units)
+        return ActuatorLimits(np.full(m, np.inf), np.full(m, np.inf), np.zeros(m))
+
     def missing(self, what: str) -> tuple[str, ...]:  # noqa: ARG002
-        """The fields to give before ``what`` ("compliance", "joint_inertia") can be had; () when it can."""
+        """The fields to give before ``what`` can be had; () when it can.
+
+        ``what`` is "compliance", "joint_inertia", "actuator_forces", "actuator_speeds" or an index's name.
+        """
         return ()
 
     @abstractmethod
@@ -92,6 +135,8 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "inverse_jacobian": ("n", "m", "m"),
     "compliance": ("n", "6", "6"),
     "joint_inertia": ("n", "m", "m"),
+    "rest_load": ("n", "m"),
+    "velocity_forces": ("n", "m", "d", "d"),
 }
 """The methods that compute a field over poses, with the shapes that they owe."""
 
@@ -117,7 +162,7 @@ def _faulting(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, An
 
 
 def _check_shape(machine: Any, name: str, value: Any, n: int) -> None:
-    sizes = {"n": n, "m": len(machine.joint_units), "6": 6}
+    sizes = {"n": n, "m": len(machine.joint_units), "d": len(machine.axes), "6": 6}
     owed = tuple(sizes[axis] for axis in _FIELDS[name])
     array = value[0] if name == "inverse_kinematics" and isinstance(value, tuple) else value
     shape = getattr(array, "shape", None)
