@@ -11,7 +11,7 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, cast
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 
@@ -69,7 +69,7 @@ class Manipulator(BaseModel, ABC):
         for name in (*_FIELDS, "reach", "indices", "skeleton"):
             if name in cls.__dict__:
                 method = _faulting(name, cls.__dict__[name])
-                setattr(cls, name, _remembering(name, method) if name in _FIELDS else method)
+                setattr(cls, name, remembering(method) if name in _FIELDS else method)
 
     @abstractmethod
     def inverse_kinematics(self, poses: Poses) -> tuple[Joints, Flags]:
@@ -171,14 +171,18 @@ def _check_shape(machine: Any, name: str, value: Any, n: int) -> None:
         raise PluginFault(type(machine).__name__, f"{what}, not {owed}")
 
 
-def _remembering(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+Computed = TypeVar("Computed")
+
+
+def remembering(method: Callable[[Any, Poses], Computed]) -> Callable[[Any, Poses], Computed]:
     """The method, its last value kept for as long as the same read-only block is asked about."""
+    name = method.__name__
 
     @functools.wraps(method)
-    def remembered(self: Any, poses: Any) -> Any:
+    def remembered(self: Any, poses: Poses) -> Computed:
         held = self._memory.get(name)
         if held is not None and held[0] is poses:
-            return held[1]
+            return cast("Computed", held[1])
         value = method(self, poses)
         if not poses.flags.writeable:
             self._memory[name] = (poses, value)
