@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
+from orthospec import registry
 from orthospec.errors import SpecError, UsageError
+from orthospec.manipulators import Manipulator
+from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.measures.kinematic import ConditionNumber
 from orthospec.spec import load_spec
 
 SPEC = """\
@@ -209,7 +214,7 @@ CHANGES = {
     "a proof": ("goals:", "proof: {slack: 1e-3}\ngoals:", ["17:1: 'proof' is not available in this version"]),
     "a result to start from": (
         "use: orthoglide\n  leg_lengths: [base, base, third]", "from: solved/result.yaml",
-        ["7:3: 'from' is not available in this version"],
+        ["7:9: 'solved/result.yaml': no such file or directory"],
     ),
     "elastic legs": (
         "use: orthoglide\n", "use: orthoglide\n  legs: {kind: PUU}\n",
@@ -312,6 +317,40 @@ def test_a_wrong_variable_does_not_make_its_uses_wrong(tmp_path: Path) -> None:
 )
 def test_a_wrong_setting_is_told_by_its_own_words(override: str, message: str, tmp_path: Path) -> None:
     assert mistakes(SPEC, tmp_path, override) == [f"--set {override}: {message}"]
+
+
+class Elastic(ConditionNumber):
+    needs: ClassVar[frozenset[str]] = frozenset({"compliance", "actuator_forces"})
+
+
+def test_what_a_machine_does_not_offer_is_told_at_the_measure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(registry, "find_measure", lambda _: Elastic)
+    for method in ("compliance", "actuator_limits"):
+        monkeypatch.setattr(Orthoglide, method, getattr(Manipulator, method), raising=False)
+    spec = SPEC.replace("    at_least: 0.5\n", "").replace("velocity_transmission", "elastic")
+    offers = "and orthoglide offers none"
+    assert mistakes(spec, tmp_path) == [
+        f"spec.yaml:13:3: elastic needs the machine's actuator forces, {offers}",
+        f"spec.yaml:13:3: elastic needs the machine's compliance, {offers}",
+    ]
+
+
+def test_what_measures_and_goals_need_of_the_machine_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = {"compliance": (), "actuator_forces": ("actuators.force",), "stroke": ("legs.mass", "feet")}
+    monkeypatch.setattr(registry, "find_measure", lambda _: Elastic)
+    for method in ("compliance", "actuator_limits"):
+        monkeypatch.setattr(Orthoglide, method, lambda *_: None, raising=False)
+    monkeypatch.setattr(Orthoglide, "missing", lambda _, what: given[what])
+    spec = SPEC.replace("    at_least: 0.5\n", "").replace("velocity_transmission", "elastic")
+    spec = spec.replace("minimise: base", "minimise: base + stroke")
+    assert mistakes(spec, tmp_path) == [
+        "spec.yaml:13:3: elastic needs the machine's actuator forces: give actuators.force",
+        "spec.yaml:17:25: stroke is not known: give legs.mass, feet",
+    ]
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:

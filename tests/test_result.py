@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orthospec.errors import SpecError, UsageError
+from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.optimise import evaluate_spec
 from orthospec.result import (
     Attainment,
@@ -27,6 +28,7 @@ from orthospec.result import (
     read_result,
     write_result,
 )
+from orthospec.show import show
 from orthospec.spec import Spec, load_spec
 from orthospec.spec.strict_yaml import LARGEST, parse
 from orthospec.spec.writing import dump
@@ -287,3 +289,23 @@ def test_mistakes_in_a_result_have_places(spec: Spec, finding: Finding, tmp_path
     assert said[0].startswith(f"{path}:3:9: ")
     assert "'attained', 'compromise'" in said[0]
     assert said[1].endswith("true or false was expected, 3 given")
+
+
+def test_an_index_that_is_not_known_is_left_out_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = Orthoglide.indices
+    monkeypatch.setattr(
+        Orthoglide,
+        "indices",
+        lambda self, ranges: {"leg_length_total": known(self, ranges)["leg_length_total"]},
+    )
+    path = tmp_path / "spec.yaml"
+    path.write_text(SPEC + "sweep: {variable: leg, from: 300 mm, to: 320 mm, points: 2}\n")
+    spec = load_spec(path, ["workspace.divisions=4"])
+    content = compose(spec, evaluate_spec(spec).finding)
+    assert list(content["indices"]) == ["leg_length_total"]
+    assert [list(point["indices"]) for point in content["sweep"]] == [["leg_length_total"]] * 2
+    text = show(content, width=80, colour=False, spec=spec)
+    assert "leg_length_total" in text
+    assert "stroke" not in text

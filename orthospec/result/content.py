@@ -86,7 +86,7 @@ def _design(spec: Spec, finding: Finding) -> dict[str, Any]:
 
 def _fields(manipulator: Manipulator) -> dict[str, Any]:
     """The machine's fields as resolved; what was not given and has no value says nothing."""
-    return _given(**manipulator.model_dump(mode="json", exclude_none=True))
+    return _given(**manipulator.model_dump(mode="json", by_alias=True, exclude_none=True))
 
 
 def _joints(evaluation: Evaluation) -> dict[str, Any] | None:
@@ -184,4 +184,10 @@ def _portable(spec: Spec, place: str | None) -> str | None:
 
 def _provenance(spec: Spec) -> dict[str, Any]:
     others = {one.distribution: one.version for one in spec.plugins if one.distribution != ITSELF}
-    return {"orthospec": version(ITSELF), "spec_sha256": spec.sha256(), **_given(plugins=others)}
+    solved = spec.solved
+    source = None if solved is None else {"path": solved.path, "sha256": solved.sha256}
+    return {
+        "orthospec": version(ITSELF),
+        "spec_sha256": spec.sha256(),
+        **_given(**{"from": source}, plugins=others),
+    }

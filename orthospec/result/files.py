@@ -16,7 +16,7 @@ from orthospec.errors import OrthospecError, SpecError, UsageError
 from orthospec.result.model import Result
 from orthospec.spec.document import Document
 from orthospec.spec.load import load_spec
-from orthospec.spec.strict_yaml import parse
+from orthospec.spec.strict_yaml import LARGEST_RESULT, parse
 from orthospec.spec.wording import problems
 from orthospec.spec.writing import dump
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 RESULT, SPEC, LOG, FIELDS = "result.yaml", "spec.yaml", "run.log.json", "fields.npz"
 _OURS = frozenset({RESULT, SPEC, LOG, FIELDS})
 _FIRST_LINE = b"orthospec: 1\n"
-_LARGEST = 100_000_000
-"""Characters of a result that is read: a long sweep is larger than any spec."""
 
 
 def check_destination(folder: Path) -> None:
@@ -121,7 +119,7 @@ def read_result(path: Path) -> dict[str, Any]:
     Raises `UsageError` for what is no result, `SpecError` with all places for a result with mistakes in it.
     """
     file = path / RESULT if path.is_dir() else path
-    document = parse(_text(path, file), str(file), _LARGEST)
+    document = parse(_text(path, file), str(file), LARGEST_RESULT)
     content = document.data
     if not isinstance(content, dict) or "status" not in content:
         raise UsageError(f"{path}: {_other_kind(content)}")

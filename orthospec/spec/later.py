@@ -40,7 +40,6 @@ def check(draft: Draft) -> None:
     """A mistake for each part of the spec that is well formed and not served."""
     keys = draft.keys
     given = {
-        ("manipulator", "from"): keys.manipulator.from_,
         ("manipulator", "tolerance"): keys.manipulator.tolerance,
         ("workspace", "orientation"): keys.workspace.orientation,
         ("pareto",): keys.pareto,

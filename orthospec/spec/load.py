@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 from orthospec import registry
 from orthospec.errors import Mistake, PluginFault, SpecError, UsageError
-from orthospec.spec import asked, later, resolve, trials
+from orthospec.spec import asked, later, resolve, solved, trials
 from orthospec.spec.blueprint import Blueprint
 from orthospec.spec.document import Document
 from orthospec.spec.document import Path as Keys
 from orthospec.spec.draft import Draft
 from orthospec.spec.overrides import override
+from orthospec.spec.solved import Solved
 from orthospec.spec.spec import Spec
 from orthospec.spec.strict_yaml import parse
 from orthospec.spec.writing import dump
@@ -35,7 +36,8 @@ def load_spec(path: Path, overrides: Sequence[str] = ()) -> Spec:
     text = _text(path)
     document = parse(text, str(path))
     override(document, overrides)
-    return _checked(document, dump(document.data) if overrides else text)
+    taken = solved.take(document)
+    return _checked(document, dump(document.data) if overrides or taken else text, taken)
 
 
 def _text(path: Path) -> str:
@@ -53,7 +55,7 @@ def _text(path: Path) -> str:
         ) from None
 
 
-def _checked(document: Document, source: str) -> Spec:
+def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
     draft = Draft(document)
     _find_classes(draft)
     later.check(draft)
@@ -65,8 +67,9 @@ def _checked(document: Document, source: str) -> Spec:
     built = trials.build(draft, machine, variables) if machine else None
     for plan in demands:
         trials.build(draft, plan.blueprint, variables)
-        if built is not None:
-            trials.check_needs(draft, built, plan)
+    if built is not None:
+        trials.check_machine(draft, built, demands, goals)
+        _check_added(draft, built, taken)
     if draft.mistakes or machine is None or workspace is None:
         raise SpecError(draft.mistakes)
     return Spec(
@@ -80,8 +83,15 @@ def _checked(document: Document, source: str) -> Spec:
         sweep=sweep,
         optimise=draft.keys.optimise,
         source=source,
+        solved=taken,
         document=document,
     )
+
+
+def _check_added(draft: Draft, built: Manipulator, taken: Solved | None) -> None:
+    if taken is not None and taken.moved_by(built):
+        message = f"the keys beside it move the joints of the machine solved in {taken.path}; they only add"
+        draft.wrong(solved.FROM, message, at_key=True)
 
 
 def _find_classes(draft: Draft) -> None:
@@ -116,6 +126,6 @@ def _find(draft: Draft, path: Keys, group: str, name: str, find: Callable[[str],
 
 def _machine(draft: Draft) -> Blueprint[Manipulator] | None:
     keys, path = draft.keys.manipulator, ("manipulator",)
-    if draft.machine is None or keys.use is None:
+    if draft.machine is None or keys.use is None or keys.from_ is not None:
         return None
     return Blueprint(keys.use, draft.machine, keys.model_extra or {}, path, draft.document.place(path))

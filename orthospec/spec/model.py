@@ -88,7 +88,10 @@ class ManipulatorKeys(_PluginKeys):
     use: StrictStr | None = None
     """The name of an installed manipulator."""
     from_: Annotated[StrictStr | None, Field(alias="from")] = None
-    """A result file whose machine is taken, instead of use."""
+    """A result file whose machine is taken, instead of use: its path, relative to the spec's own.
+
+    The keys beside it add to the solved machine and change nothing of it.
+    """
     tolerance: dict[str, Amount] | None = None
     """How far built dimensions may be off, by field."""
 

@@ -17,6 +17,7 @@ from orthospec.spec.design import Design, Sweep, Variable, Workspace
 from orthospec.spec.document import Document, Path
 from orthospec.spec.model import OptimiseKeys
 from orthospec.spec.plans import DemandPlan, GoalPlan, Reading
+from orthospec.spec.solved import Solved
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
@@ -36,7 +37,9 @@ class Spec:
     sweep: Sweep | None
     optimise: OptimiseKeys
     source: str
-    """The text as run, with what ``--set`` changed."""
+    """The text as run, with what ``--set`` changed and the keys of a solved machine in their place."""
+    solved: Solved | None
+    """Where the machine comes from, if not from the spec itself."""
     document: Document
 
     def design(self, values: Mapping[str, float]) -> Design:

@@ -19,7 +19,8 @@ import yaml
 from orthospec.errors import Mistake, SpecError
 from orthospec.spec.document import Document, Path, Place
 
-LARGEST, _DEEPEST = 1_000_000, 40
+LARGEST, LARGEST_RESULT, _DEEPEST = 1_000_000, 100_000_000, 40
+"""Characters of a spec, and of a result, where a long sweep is larger than any spec; levels of nesting."""
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 

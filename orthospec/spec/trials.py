@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel
 
@@ -16,12 +16,22 @@ from orthospec.spec.blueprint import Blueprint, Refused, booleans_as_numbers
 from orthospec.spec.design import Variable
 from orthospec.spec.draft import Draft
 from orthospec.spec.model import ManipulatorKeys, MeasureKeys
-from orthospec.spec.plans import DemandPlan
+from orthospec.spec.plans import DemandPlan, GoalPlan
 from orthospec.spec.wording import ABOUT_VALUES, Problem, did_you_mean, known_keys
+
+if TYPE_CHECKING:
+    from orthospec.manipulators import Manipulator
 
 Built = TypeVar("Built", bound=BaseModel)
 _CORNERS, _INSIDE = 64, 16
 _GOLDEN = 0.6180339887498949
+_SERVED_BY = {
+    "compliance": "compliance",
+    "joint_inertia": "joint_inertia",
+    "actuator_forces": "actuator_limits",
+    "actuator_speeds": "actuator_limits",
+}
+"""The optional method of a machine that serves a measure's need."""
 
 
 def build(draft: Draft, blueprint: Blueprint[Built], variables: Mapping[str, Variable]) -> Built | None:
@@ -33,7 +43,7 @@ def build(draft: Draft, blueprint: Blueprint[Built], variables: Mapping[str, Var
         except Refused as refusal:
             refused = refused or refusal
             continue
-        for path in booleans_as_numbers(blueprint.keys, built.model_dump()):
+        for path in booleans_as_numbers(blueprint.keys, built.model_dump(by_alias=True)):
             draft.wrong((*blueprint.path, *path), "a number was expected, true or false given")
         return built
     for problem in refused.problems if refused else ():
@@ -41,17 +51,48 @@ def build(draft: Draft, blueprint: Blueprint[Built], variables: Mapping[str, Var
     return None
 
 
-def check_needs(draft: Draft, machine: Any, plan: DemandPlan) -> None:
-    """Name the machine's fields that a measure needs and the spec does not give."""
-    for need in sorted(plan.blueprint.made_of.needs):
-        try:
-            missing = machine.missing(need)
-        except Exception as error:
-            raise PluginFault(draft.keys.manipulator.use or "", f"missing({need!r}): {error}") from error
-        if missing:
-            what = need.replace("_", " ")
-            message = f"{plan.blueprint.use} needs the machine's {what}: give {', '.join(missing)}"
-            draft.wrong(plan.blueprint.path, message, at_key=True)
+def check_machine(
+    draft: Draft, machine: Manipulator, demands: Sequence[DemandPlan], goals: Sequence[GoalPlan]
+) -> None:
+    """Name what measures and goals need and the machine does not offer, or the spec does not give."""
+    for plan in demands:
+        for need in sorted(plan.blueprint.made_of.needs):
+            _check_need(draft, machine, plan, need)
+    for goal in goals:
+        for index in sorted(goal.expression.names & machine.index_units.keys()):
+            if missing := _missing(draft, machine, index):
+                message = f"{index} is not known: give {', '.join(missing)}"
+                draft.wrong(("goals", goal.name, goal.sense), message)
+
+
+def _check_need(draft: Draft, machine: Manipulator, plan: DemandPlan, need: str) -> None:
+    what = need.replace("_", " ")
+    if not _offers(machine, need):
+        message = f"{plan.blueprint.use} needs the machine's {what}, and {_use(draft)} offers none"
+    elif missing := _missing(draft, machine, need):
+        message = f"{plan.blueprint.use} needs the machine's {what}: give {', '.join(missing)}"
+    else:
+        return
+    draft.wrong(plan.blueprint.path, message, at_key=True)
+
+
+def _offers(machine: Manipulator, need: str) -> bool:
+    """Whether the machine's class defines the optional method that serves a need."""
+    from orthospec.manipulators import Manipulator
+
+    method = _SERVED_BY.get(need)
+    return method is None or getattr(type(machine), method) is not getattr(Manipulator, method)
+
+
+def _use(draft: Draft) -> str:
+    return draft.keys.manipulator.use or ""
+
+
+def _missing(draft: Draft, machine: Manipulator, what: str) -> tuple[str, ...]:
+    try:
+        return machine.missing(what)
+    except Exception as error:
+        raise PluginFault(_use(draft), f"missing({what!r}): {error}") from error
 
 
 def _points(draft: Draft, variables: Mapping[str, Variable]) -> Iterator[dict[str, float]]:
