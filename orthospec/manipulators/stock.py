@@ -147,7 +147,7 @@ class Section(BaseModel):
         if not bars.is_symmetric(matrix):
             raise ValueError("a compliance is symmetric, and this matrix is not")
         if not bars.is_compliance(matrix):
-            raise ValueError("a compliance has no negative eigenvalue, and this matrix has")
+            raise ValueError("a compliance has no negative eigenvalue, and this has")
         return rows
 
     @model_validator(mode="after")
