@@ -3,8 +3,8 @@
 Bar frame: x along the bar, y and z principal axes of the section. A rectangle's height is along z, its width
 along y, so that Iy = ∫z² dA = width height³ / 12 is its bending stiffness in the direction of its height.
 
->>> circle(diameter=0.02, wall=0.002).area
-0.00011309733552923255
+>>> round(circle(diameter=0.02, wall=0.002).area * 1e6, 1)
+113.1
 """
 
 from __future__ import annotations
