@@ -1,0 +1,180 @@
+"""The virtual joint method: the compliance of a machine from its chains, batched over poses.
+
+Each chain i has passive joints with the unit twists q (k, 6), and springs: its actuator and its links, each a
+compliance (6, 6) at the tool point. Springs in series add. With C_i their sum, the passive joints locked, and
+the rows of W_i (6 − k, 6) the wrenches that do no work on the passive joints, W_i qᵀ = 0,
+
+    D_i = W_i C_i W_iᵀ,      K_i = W_iᵀ D_i⁻¹ W_i,      K = Σ K_i,      C = K⁻¹.
+
+K_i is the upper left block of the inverse of the bordered matrix in eq. 6 of Pashkevich, Chablat and Wenger
+(2009). Twists are (translation, rotation) and wrenches (force, moment), in that order, about the tool point.
+
+>>> leg = spring_at(1e-8 * np.eye(6), frames=np.eye(3)[None], arms=np.zeros((1, 3)))
+>>> chain = leg + actuator(np.array([[1.0, 0, 0, 0, 0, 0]]), 3e-8)
+>>> universal_joint = np.array([[[0, 0, 0, 0, 1.0, 0], [0, 0, 0, 0, 0, 1.0]]])
+>>> stiffness = chain_stiffness(chain, transmitted_wrenches(universal_joint))
+>>> round(stiffness[0, 0, 0] / 1e6)
+25
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from orthospec.arrays import np
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Matrices
+
+LOOSE = 1e-12
+"""Least singular value of the wrenches, beside the greatest, that counts as held."""
+
+DEPENDENT = 1e-10
+"""Least singular value of passive twists, beside the greatest, that counts as another joint."""
+
+NEGLIGIBLE = 1e-6
+"""Arms up to here are rounding, and no unit of length [m]."""
+
+
+def transported_wrenches(wrenches: Array, arms: Array) -> Array:
+    """Wrenches (..., 6) at points, re-expressed at the tool point.
+
+    ``arms`` (..., 3) [m] lead from the tool point to the points.
+    """
+    forces, moments = wrenches[..., :3], wrenches[..., 3:]
+    moved = moments + np.cross(arms, forces)
+    return np.concatenate([np.broadcast_to(forces, moved.shape), moved], axis=-1)
+
+
+def transported_twists(twists: Array, arms: Array) -> Array:
+    """Twists (..., 6) at points of one body, re-expressed at the tool point.
+
+    ``arms`` (..., 3) [m] lead from the tool point to the points.
+    """
+    translations, rotations = twists[..., :3], twists[..., 3:]
+    moved = translations + np.cross(arms, rotations)
+    return np.concatenate([moved, np.broadcast_to(rotations, moved.shape)], axis=-1)
+
+
+def spring_at(compliance: Array, frames: Array, arms: Array) -> Matrices:
+    """The compliance of a link at the tool point (n, 6, 6).
+
+    ``compliance`` (6, 6) is that of the link's end in the link's frame. The rows of ``frames`` (n, 3, 3) are
+    that frame's axes, and ``arms`` (n, 3) [m] lead from the tool point to the link's end.
+    """
+    axes = np.zeros((len(frames), 6, 6))
+    axes[:, :3, :3] = axes[:, 3:, 3:] = frames
+    turned = transported_twists(axes, arms[:, None, :])
+    return np.asarray(np.swapaxes(turned, 1, 2) @ compliance @ turned)
+
+
+def actuator(twists: Array, compliance: float) -> Matrices:
+    """The compliance of rank one (n, 6, 6) of an actuator that moves the tool by ``twists`` (n, 6) a unit."""
+    return np.asarray(compliance * twists[:, :, None] * twists[:, None, :])
+
+
+def transmitted_wrenches(passive: Array) -> Array:
+    """Basis W (n, m, 6) of the wrenches that do no work on the passive twists (n, k, 6).
+
+    m is 6 less the least rank of a pose; a pose of higher rank fills up with zero rows. So that metres and
+    radians compare, lengths count in units of the twists' mean translation; in these units W is orthonormal.
+    """
+    length = _length(passive[..., 3:], passive[..., :3])
+    units = np.concatenate([np.repeat(1 / length, 3, axis=1), np.ones((len(passive), 3))], axis=1)[:, None, :]
+    _, sizes, axes = np.linalg.svd(passive * units)
+    ranks = np.sum(sizes > DEPENDENT * sizes[:, :1], axis=1)
+    least = int(ranks.min(initial=6))
+    transmitted = np.arange(least, 6) >= ranks[:, None]
+    return np.asarray(axes[:, least:] * units * transmitted[:, :, None])
+
+
+def reduced_compliance(compliance: Matrices, wrenches: Array) -> Matrices:
+    """D = W C Wᵀ (n, m, m) of one chain, of unit compliance where W (n, m, 6) has a zero row."""
+    reduced = wrenches @ compliance @ np.swapaxes(wrenches, 1, 2)
+    return np.asarray(reduced + _unit_where_zero(wrenches))
+
+
+def chain_stiffness(compliance: Matrices, wrenches: Array) -> Matrices:
+    """K_i = Wᵀ (W C Wᵀ)⁻¹ W (n, 6, 6) of a chain that no transmitted wrench (n, m, 6) finds rigid."""
+    reduced = reduced_compliance(compliance, wrenches)
+    return np.asarray(np.swapaxes(wrenches, 1, 2) @ np.linalg.solve(reduced, wrenches))
+
+
+def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
+    """Compliance C (n, 6, 6) of a platform on chains side by side.
+
+    ``wrenches`` (n, chains, m, 6) are those that each chain transmits, in any basis, and ``reduced``
+    (n, chains, m, m) is D = W C Wᵀ of each; a chain of fewer wrenches fills up with zero rows of unit
+    compliance. A chain may be rigid (D singular). Where the platform is loose all entries are +inf, and where
+    an argument is not finite, NaN. The error is rounding times the condition number of K.
+    """
+    compliance = np.full((len(reduced), 6, 6), np.nan)
+    known = np.isfinite(reduced).all(axis=(1, 2, 3)) & np.isfinite(wrenches).all(axis=(1, 2, 3))
+    compliance[known] = _by_forces(reduced[known], wrenches[known])
+    return compliance
+
+
+def _by_forces(reduced: Array, wrenches: Array) -> Matrices:
+    """C by the principle of least work, which asks for no inverse of a chain's compliance.
+
+    The chains' forces λ balance the load F, B λ = F, B = [W₁ᵀ W₂ᵀ ...]. Of all λ = B⁺F + N z, N the null
+    space of B, those at work minimise λᵀ D λ, so that C = B⁺ᵀ (D − D N (Nᵀ D N)⁺ Nᵀ D) B⁺. Lengths count in
+    units of the forces' mean arm, and each wrench in units of its norm.
+    """
+    n, chains, m, _ = wrenches.shape
+    count = chains * m
+    if count < 6:
+        return np.full((n, 6, 6), np.inf)
+    rows, units = _normalised(wrenches.reshape(n, count, 6))
+    norms = np.linalg.norm(rows, axis=2, keepdims=True)
+    norms[norms == 0] = 1.0
+    left, sizes, right = np.linalg.svd(np.swapaxes(rows / norms, 1, 2))
+    held = sizes[:, 5] > LOOSE * sizes[:, 0]
+    compliance = np.full((n, 6, 6), np.inf)
+    work = _blocks(reduced)[held] / (norms * np.swapaxes(norms, 1, 2))[held]
+    spread = (left[held] / sizes[held, None, :]) @ right[held, :6]
+    scaled = spread @ _least_work(work, right[held, 6:]) @ np.swapaxes(spread, 1, 2)
+    compliance[held] = (
+        0.5 * (scaled + np.swapaxes(scaled, 1, 2)) * (units[:, :, None] * units[:, None, :])[held]
+    )
+    return compliance
+
+
+def _least_work(work: Matrices, free: Array) -> Matrices:
+    """D − D N (Nᵀ D N)⁺ Nᵀ D; the rows of ``free`` are N."""
+    along = free @ work
+    values, vectors = np.linalg.eigh(along @ np.swapaxes(free, 1, 2))
+    least = 4 * np.finfo(float).eps * work.shape[1] * np.max(np.abs(work), axis=(1, 2))[:, None]
+    inverse = np.where(values > least, 1 / np.where(values > least, values, 1.0), 0.0)
+    principal = np.swapaxes(vectors, 1, 2) @ along
+    return np.asarray(work - np.swapaxes(principal, 1, 2) @ (inverse[:, :, None] * principal))
+
+
+def _normalised(wrenches: Array) -> tuple[Array, Array]:
+    """Wrenches (n, m, 6) with moments in units of the mean arm, and the units (n, 6) of these columns."""
+    length = _length(wrenches[..., :3], wrenches[..., 3:])
+    units = np.concatenate([np.ones((len(wrenches), 3)), np.repeat(1 / length, 3, axis=1)], axis=1)
+    return wrenches * units[:, None, :], units
+
+
+def _length(unit: Array, arm: Array) -> Array:
+    """Mean length (n, 1) of ``arm`` (n, m, 3) in the rows that have a ``unit``; 1 where it is negligible."""
+    size = np.sum(unit**2, axis=2)
+    squares = np.sum(np.where(size > 0, np.sum(arm**2, axis=2), 0.0), axis=1)
+    total = np.sum(size, axis=1)
+    length = np.sqrt(squares / np.where(total > 0, total, 1.0))
+    return np.asarray(np.where(length > NEGLIGIBLE, length, 1.0)[:, None])
+
+
+def _blocks(reduced: Array) -> Matrices:
+    """The chains' matrices (n, chains, m, m) as blocks along one diagonal."""
+    n, chains, m, _ = reduced.shape
+    blocks = np.zeros((n, chains * m, chains * m))
+    for i in range(chains):
+        block = slice(i * m, (i + 1) * m)
+        blocks[:, block, block] = reduced[:, i]
+    return blocks
+
+
+def _unit_where_zero(wrenches: Array) -> Matrices:
+    return np.asarray(np.eye(wrenches.shape[1]) * np.all(wrenches == 0, axis=2)[:, :, None])
