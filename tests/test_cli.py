@@ -179,7 +179,7 @@ def test_show_needs_no_spec_beside_the_result(spec: Path, monkeypatch: pytest.Mo
 
 
 def test_plugins_explain_and_schema_print() -> None:
-    assert "orthoglide  orthospec" in _orthospec("plugins").stdout
+    assert "orthoglide    orthospec" in _orthospec("plugins").stdout
     assert {one["name"] for one in json.loads(_orthospec("plugins", "--json").stdout)} >= {"orthoglide"}
     assert _orthospec("explain", "manipulability").stdout.startswith("manipulability\n")
     assert "did you mean 'orthoglide'?" in _orthospec("explain", "ortoglide", code=2).stderr

@@ -146,7 +146,7 @@ class TestDesign:
         machine = Orthoglide(leg_lengths=(1.0, 1.25, 1.5))
         indices = machine.indices(np.array([[0.5, 1.5], [0.25, 2.0], [1.0, 1.25]]))
         assert dict(indices) == {"leg_length_total": 3.75, "stroke": 1.75, "footprint": 1.5 * 2.0}
-        assert indices.keys() == machine.index_units.keys()
+        assert indices.keys() <= machine.index_units.keys()
 
     def test_footprint_holds_the_sliders_of_a_negative_branch(self):
         machine = Orthoglide(leg_lengths=(1.0, 1.0, 1.0), branch=(-1, 1, 1))

@@ -23,13 +23,27 @@ def random_machine(random: np.random.Generator) -> PrismaticLegs:
         joints=random.uniform(-0.2, 0.2, (3, 3)),
         lengths=random.uniform(1.0, 2.0, 3),
         branches=random.choice([1.0, -1.0], 3),
+        revolutes=np.roll(np.eye(3), 1, axis=0),
+        home=np.eye(3),
+    )
+
+
+def orthogonal_machine(length: float) -> PrismaticLegs:
+    return PrismaticLegs(
+        axes=np.eye(3),
+        bases=np.zeros((3, 3)),
+        joints=np.zeros((3, 3)),
+        lengths=np.full(3, length),
+        branches=np.ones(3),
+        revolutes=np.roll(np.eye(3), 1, axis=0),
+        home=np.eye(3),
     )
 
 
 def exact_sliders(machine: PrismaticLegs, pose) -> list:
     """The root of |b + ρe − p − c|² = L² on the branch's side, in 50 digits."""
     found = []
-    for e, b, c, length, sign in zip(*machine, strict=True):
+    for e, b, c, length, sign in zip(*machine[:5], strict=True):
         d = [mpmath.mpf(float(c[k])) - mpmath.mpf(float(b[k])) + pose[k] for k in range(3)]
         half = sum(mpmath.mpf(float(e[k])) * d[k] for k in range(3))
         square = sum(mpmath.mpf(float(e[k])) ** 2 for k in range(3))
@@ -43,9 +57,11 @@ def exact_sliders(machine: PrismaticLegs, pose) -> list:
 def test_legs_have_their_lengths_and_stand_on_their_branch(seed):
     random = np.random.default_rng(seed)
     machine, poses = random_machine(random), random.uniform(-0.3, 0.3, (20, 3))
-    s = prismatic.legs(machine, poses, prismatic.sliders(machine, poses))
-    np.testing.assert_allclose(np.linalg.norm(s, axis=2), np.tile(machine.lengths, (20, 1)), rtol=1e-12)
-    along = np.einsum("nik,ik->ni", s, machine.axes)
+    legs = prismatic.close(machine, poses)
+    lengths = np.linalg.norm(legs.s, axis=1)
+    np.testing.assert_allclose(lengths, np.tile(machine.lengths, (20, 1)).T, rtol=1e-12)
+    along = np.einsum("ikn,ik->ni", legs.s, machine.axes)
+    np.testing.assert_allclose(legs.along, along.T, rtol=1e-9)
     assert (along * machine.branches > 0).all()
 
 
@@ -54,7 +70,7 @@ def test_legs_have_their_lengths_and_stand_on_their_branch(seed):
 def test_inverse_jacobian_is_the_derivative_of_the_sliders(seed):
     random = np.random.default_rng(seed)
     machine, poses = random_machine(random), random.uniform(-0.3, 0.3, (1, 3))
-    found = prismatic.inverse_jacobian(machine, poses, prismatic.sliders(machine, poses))[0]
+    found = prismatic.inverse_jacobian(prismatic.close(machine, poses))[0]
     h = mpmath.mpf(10) ** -16
     for k in range(3):
         ends = []
@@ -69,19 +85,19 @@ def test_inverse_jacobian_is_the_derivative_of_the_sliders(seed):
 def test_a_leg_too_short_gives_nan_without_a_warning():
     machine = random_machine(np.random.default_rng(1))
     far = np.array([[5.0, 5.0, 5.0], [0.0, 0.0, 0.0]])
-    rho = prismatic.sliders(machine, far)
-    assert np.isnan(rho[0]).any()
-    assert np.isfinite(rho[1]).all()
-    assert (prismatic.leg_margins(machine, far)[0] < 0).any()
-    assert np.isnan(prismatic.inverse_jacobian(machine, far, rho)[0]).any()
+    legs = prismatic.close(machine, far)
+    assert np.isnan(legs.rho[0]).any()
+    assert np.isfinite(legs.rho[1]).all()
+    assert (prismatic.leg_margins(machine, legs)[:, 0] < 0).any()
+    assert np.isnan(prismatic.inverse_jacobian(legs)[0]).any()
 
 
 @pytest.mark.parametrize("clear", [0.5, 2.0])
 def test_leg_margin_changes_sign_at_the_clearance_from_the_serial_singularity(clear):
-    machine = PrismaticLegs(np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)), np.full(3, 2.0), np.ones(3))
+    machine = orthogonal_machine(2.0)
     # Leg 1 makes the angle asin(clear·CLEARANCE) with the plane across its slide.
     y = 2.0 * np.sqrt(1 - (clear * CLEARANCE) ** 2)
-    margin = prismatic.leg_margins(machine, np.array([[0.0, y, 0.0]]))[0, 0]
+    margin = prismatic.leg_margins(machine, prismatic.close(machine, np.array([[0.0, y, 0.0]])))[0, 0]
     assert margin == pytest.approx((clear**2 - 1) * CLEARANCE**2, rel=1e-4)
 
 
@@ -90,24 +106,20 @@ def test_leg_margin_changes_sign_at_the_clearance_from_the_serial_singularity(cl
 def test_volume_margin_has_the_sign_of_the_determinant(seed):
     random = np.random.default_rng(seed)
     machine, poses = random_machine(random), random.uniform(-1.0, 1.0, (200, 3))
-    rho = prismatic.sliders(machine, poses)
-    poses, rho = poses[np.isfinite(rho).all(axis=1)], rho[np.isfinite(rho).all(axis=1)]
-    determinant = np.linalg.det(prismatic.inverse_jacobian(machine, poses, rho))
-    rows = prismatic.unit_legs(machine, poses, rho)
-    for sign in (1.0, -1.0):
-        margin = prismatic.volume_margin(rows, sign)
+    poses = poses[np.isfinite(prismatic.close(machine, poses).rho).all(axis=1)]
+    legs = prismatic.close(machine, poses)
+    determinant = np.linalg.det(prismatic.inverse_jacobian(legs))
+    units = prismatic.unit_legs(machine, legs)
+    for home in (np.eye(3), -np.eye(3)):
+        margin = prismatic.volume_margin(units, home)
         assert np.abs(margin).max() <= 1 + 1e-12
         clear = np.abs(margin) > 1e-12
-        np.testing.assert_array_equal(np.sign(margin[clear]), sign * np.sign(determinant[clear]))
-
-
-def orthogonal_machine(length: float) -> PrismaticLegs:
-    return PrismaticLegs(np.eye(3), np.zeros((3, 3)), np.zeros((3, 3)), np.full(3, length), np.ones(3))
+        np.testing.assert_array_equal(np.sign(margin[clear]), home[0, 0] * np.sign(determinant[clear]))
 
 
 def margins_at(machine: PrismaticLegs, poses):
-    rows = prismatic.unit_legs(machine, poses, prismatic.sliders(machine, poses))
-    return prismatic.volume_margin(rows, 1.0), prismatic.pairs_margin(rows, machine.axes)
+    units = prismatic.unit_legs(machine, prismatic.close(machine, poses))
+    return prismatic.volume_margin(units, machine.home), prismatic.pairs_margin(units, machine.home)
 
 
 def test_pairs_margin_is_three_where_the_legs_lie_along_their_slides():

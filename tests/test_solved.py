@@ -216,7 +216,7 @@ class TestKeysBeside:
 
     def test_are_checked_like_any_others(self, second):
         second.write_text(
-            SECOND.replace("workspace:", "  carriage: 3 mm\n  rods: {heigth: 1}\n  feet: 1\nworkspace:", 1)
+            SECOND.replace("workspace:", "  carriage: 3 mm\n  rods: {heigth: 1}\n  hands: 1\nworkspace:", 1)
         )
         found = [line.split("; ")[0] for line in mistakes(second)]
         assert found[0] == "spec.yaml:6:13: 3 mm is a length, a mass [kg] was expected"

@@ -10,8 +10,10 @@ with β_i = ±1 the branch, the sign of s_i·e_i. Differentiating |s_i|² = L_i�
 
     s_iᵀ / (s_i·e_i).
 
-For the Orthoglide (e_i the coordinate axes, b_i = c_i = 0) this is the bracket of eq. 14 of Pashkevich,
+For the Orthoglide (e_i the coordinate axes, b_i = c_i) this is the bracket of eq. 14 of Pashkevich,
 Chablat and Wenger (2009); J_ρ there is its inverse.
+
+Inside, the poses are the last axis: each component of each leg is one contiguous row.
 """
 
 from __future__ import annotations
@@ -40,71 +42,83 @@ class PrismaticLegs(NamedTuple):
     """L_i (3,) [m]."""
     branches: Array
     """β_i (3,), 1 or −1."""
+    revolutes: Array
+    """a_i, unit (3, 3): the first revolute axis, fixed in space, which is a parallelogram's short link."""
+    home: Array
+    """β_i s_i / L_i (3, 3) at any pose of the working assembly: which side of the singularities counts."""
 
 
-def sliders(machine: PrismaticLegs, poses: Poses) -> Joints:
+class Legs(NamedTuple):
+    """The legs over a block of n poses."""
+
+    rho: Joints
     """ρ (n, 3) [m]; NaN where a leg is too short to close its loop."""
-    along, closing = _loops(machine, poses)
+    s: Array
+    """s[i, k] (3, 3, n) [m]: component k of the way from the platform to slider i."""
+    along: Array
+    """s_i·e_i (3, n) [m]."""
+    closing: Array
+    """(s_i·e_i)² (3, n) [m^2]; negative where the loop cannot close."""
+
+    @property
+    def poses(self) -> int:
+        """How many poses there are."""
+        return len(self.rho)
+
+
+def close(machine: PrismaticLegs, poses: Poses) -> Legs:
+    """Close the loops of all legs at each pose."""
+    offsets = machine.joints - machine.bases
+    p = np.ascontiguousarray(poses.T)
+    projected = machine.axes @ p + np.sum(offsets * machine.axes, axis=1)[:, None]
+    square = np.sum(p * p, axis=0) + 2 * (offsets @ p) + np.sum(offsets**2, axis=1)[:, None]
+    closing = machine.lengths[:, None] ** 2 - square + projected**2
     with np.errstate(invalid="ignore"):
-        return np.asarray(along + machine.branches * np.sqrt(closing))
+        along = machine.branches[:, None] * np.sqrt(closing)
+    rho = projected + along
+    s = rho[:, None, :] * machine.axes[:, :, None]
+    s -= p
+    s -= offsets[:, :, None]
+    return Legs(rho.T, s, along, closing)
 
 
-def legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
-    """s (n, 3, 3) [m]: row i leads from the platform to slider i."""
-    s = rho[:, :, None] * machine.axes
-    s += machine.bases - machine.joints
-    s -= poses[:, None, :]
-    return s
-
-
-def inverse_jacobian(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Matrices:
+def inverse_jacobian(legs: Legs) -> Matrices:
     """J⁻¹ (n, 3, 3): row i is s_iᵀ / (s_i·e_i); infinite or NaN at a serial singularity."""
-    s = legs(machine, poses, rho)
-    along, _ = _loops(machine, poses)
     with np.errstate(divide="ignore", invalid="ignore"):
-        s /= (rho - along)[:, :, None]
-    return s
+        return np.ascontiguousarray(np.moveaxis(legs.s / legs.along[:, None, :], 2, 0))
 
 
-def leg_margins(machine: PrismaticLegs, poses: Poses) -> Array:
-    """(s_i·e_i / L_i)² less the clearance (n, 3): >= 0 where leg i closes its loop, smooth in the pose."""
-    return np.asarray(_loops(machine, poses)[1] / machine.lengths**2 - CLEARANCE**2)
+def leg_margins(machine: PrismaticLegs, legs: Legs) -> Array:
+    """(s_i·e_i / L_i)² less the clearance (3, n): >= 0 where leg i closes its loop, smooth in the pose."""
+    return np.asarray(legs.closing / machine.lengths[:, None] ** 2 - CLEARANCE**2)
 
 
-def unit_legs(machine: PrismaticLegs, poses: Poses, rho: Joints) -> Array:
-    """β_i s_i / L_i (n, 3, 3): the rows of J⁻¹ up to the positive factors |s_i·e_i| / L_i."""
-    return legs(machine, poses, rho) * (machine.branches / machine.lengths)[:, None]
+def unit_legs(machine: PrismaticLegs, legs: Legs) -> Array:
+    """β_i s_i / L_i (3, 3, n): the rows of J⁻¹ up to the positive factors |s_i·e_i| / L_i."""
+    return np.asarray(legs.s * (machine.branches / machine.lengths)[:, None, None])
 
 
-def volume_margin(rows: Array, sign: float) -> Array:
-    """``sign`` times the volume of the unit legs (n,), bounded and smooth.
+def volume_margin(units: Array, home: Array) -> Array:
+    """Volume of the unit legs (n,), positive on home's side; bounded and smooth.
 
-    It has the sign of ``sign`` det J⁻¹ and is 0 at a parallel singularity, where J⁻¹ loses rank though a
-    measure may stay finite; ``sign`` is that of det J⁻¹ in the machine's working assembly.
+    It has the sign of det J⁻¹ (or its opposite throughout) and is 0 at a parallel singularity, where J⁻¹
+    loses rank though a measure may stay finite.
     """
-    a, b, c = (rows[:, i].T for i in range(3))
+    a, b, c = units
     volume = a[0] * (b[1] * c[2] - b[2] * c[1])
     volume += a[1] * (b[2] * c[0] - b[0] * c[2])
     volume += a[2] * (b[0] * c[1] - b[1] * c[0])
-    return np.asarray(sign * volume)
+    return np.asarray(np.sign(np.linalg.det(home)) * volume)
 
 
-def pairs_margin(rows: Array, axes: Array) -> Array:
-    """Sum of the principal 2 x 2 minors of the unit legs in the frame of independent slides (n,).
+def pairs_margin(units: Array, home: Array) -> Array:
+    """Sum of the principal 2 x 2 minors of U U_home⁻¹, with U the unit legs (n,).
 
     A parallel singularity at which two singular values vanish at once leaves the volume's sign as it was,
     yet parts the workspace: with equal legs the Orthoglide has one on |p| = L, where all three sliders meet.
-    There this sum passes through 0. It is 3 where the legs lie along their slides; with unequal legs it also
-    leaves out a little beside serial singularities.
+    There this sum passes through 0. It is 3 at home; it may also leave out a little beside serial
+    singularities.
     """
-    n = (rows.reshape(-1, 3) @ axes.T).reshape(rows.shape)
-    minors = [n[:, i, i] * n[:, j, j] - n[:, i, j] * n[:, j, i] for i, j in ((0, 1), (0, 2), (1, 2))]
+    n = np.linalg.inv(home).T @ units
+    minors = [n[i, i] * n[j, j] - n[i, j] * n[j, i] for i, j in ((0, 1), (0, 2), (1, 2))]
     return np.asarray(np.sum(minors, axis=0))
-
-
-def _loops(machine: PrismaticLegs, poses: Poses) -> tuple[Array, Array]:
-    """d_i·e_i [m] and (s_i·e_i)² [m^2], (n, 3) each; the second is negative where the loop cannot close."""
-    offsets = machine.joints - machine.bases
-    along = poses @ machine.axes.T + np.sum(offsets * machine.axes, axis=1)
-    square = np.sum(poses**2, axis=1)[:, None] + 2 * poses @ offsets.T + np.sum(offsets**2, axis=1)
-    return along, machine.lengths**2 - square + along**2

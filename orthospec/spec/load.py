@@ -109,9 +109,6 @@ def _find_classes(draft: Draft) -> None:
 
 
 def _find(draft: Draft, path: Keys, group: str, name: str, find: Callable[[str], Found]) -> Found | None:
-    if later.is_for_later(group, name):
-        draft.wrong(path, f"'{name}' is {later.NOT_YET}")
-        return None
     try:
         return find(name)
     except UsageError as error:

@@ -11,7 +11,6 @@ from pydantic import BaseModel
 from orthospec.errors import PluginFault
 from orthospec.quantities import Expression, ExpressionError
 from orthospec.quantities.fields import is_quantity, read
-from orthospec.spec import later
 from orthospec.spec.blueprint import Blueprint, Refused, booleans_as_numbers
 from orthospec.spec.design import Variable
 from orthospec.spec.draft import Draft
@@ -129,8 +128,6 @@ def _report(
 def _unknown_key(blueprint: Blueprint[Any], key: object) -> str:
     """A key that is neither the plugin's nor one of those that the spec has beside them."""
     of_machine = blueprint.path[0] == "manipulator"
-    if of_machine and later.is_key_for_later(key):
-        return f"'{key}' is {later.NOT_YET}"
     beside = known_keys(ManipulatorKeys if of_machine else MeasureKeys, ())
     return f"unknown key '{key}'{did_you_mean(key, [*known_keys(blueprint.made_of, ()), *beside])}"
 

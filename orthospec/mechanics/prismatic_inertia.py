@@ -1,0 +1,62 @@
+"""Inertia of machines with prismatic legs: sliders, uniform bars, a platform that only translates.
+
+A bar of mass m between points that move with v1 and v2 has the kinetic energy m/6 (v1² + v1·v2 + v2²). With
+j_i row i of J⁻¹, so that ρ̇_i = j_i·ṗ, the inertia at the tool is
+
+    G = m_p I + Σ_i [(m_s + m_l/3) j_i j_iᵀ + m_l/3 I + m_l/6 (j_i e_iᵀ + e_i j_iᵀ)],      D = Jᵀ G J
+
+in joint space. Differentiating |eρ̇ − ṗ|² + s·(eρ̈ − p̈) = 0, the loop's second derivative, gives
+ρ̈_i = j_i·p̈ + ṗᵀ H_i ṗ with H_i = −(e_i j_iᵀ − I)ᵀ (e_i j_iᵀ − I) / (s_i·e_i).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from orthospec.arrays import np
+from orthospec.mechanics.inertia import inverse
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Joints, Matrices
+    from orthospec.mechanics.prismatic import Legs, PrismaticLegs
+
+
+class Masses(NamedTuple):
+    """What moves [kg]."""
+
+    sliders: float
+    """One slider with its foot."""
+    legs: Array
+    """Each leg, with all of its bars (3,)."""
+    platform: float
+    """Platform, tool and payload."""
+
+
+def joint_inertia(machine: PrismaticLegs, masses: Masses, inverse_jacobian: Matrices) -> Matrices:
+    """D (n, 3, 3) [kg]."""
+    J = inverse(inverse_jacobian)
+    m = masses.legs
+    # At the joints j_i becomes unit vector i, and e_i becomes Jᵀ e_i.
+    mixed = (m / 6)[:, None] * (machine.axes @ J)
+    found = (masses.platform + m.sum() / 3) * (np.swapaxes(J, 1, 2) @ J)
+    found += mixed + np.swapaxes(mixed, 1, 2) + np.diag(masses.sliders + m / 3)
+    return np.asarray(found)
+
+
+def rest_load(machine: PrismaticLegs, masses: Masses, inverse_jacobian: Matrices, gravity: Array) -> Joints:
+    """The actuator forces (n, 3) [N] that hold the machine still; gravity (3,) [m/s^2]."""
+    at_sliders = (masses.sliders + masses.legs / 2) * (machine.axes @ gravity)
+    at_tool = (masses.platform + masses.legs.sum() / 2) * gravity
+    return np.asarray(-at_sliders - at_tool @ inverse(inverse_jacobian))
+
+
+def velocity_forces(machine: PrismaticLegs, masses: Masses, legs: Legs, inverse_jacobian: Matrices) -> Array:
+    """Q (n, 3, 3, 3) [kg/m]: actuator i exerts ṗᵀ Q_i ṗ at a constant tool velocity ṗ."""
+    J = inverse(inverse_jacobian)
+    m = masses.legs
+    sway = machine.axes[:, :, None] * inverse_jacobian[:, :, None, :] - np.eye(3)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        H = -np.swapaxes(sway, 2, 3) @ sway / legs.along.T[:, :, None, None]
+    # Row i: how the inertia of chain i's slider and leg against its slider's acceleration acts on each joint.
+    coupling = np.diag(masses.sliders + m / 3) + (m / 6)[:, None] * (machine.axes @ J)
+    return np.asarray(np.einsum("nij,niab->njab", coupling, H))
