@@ -14,11 +14,11 @@ binary = Path(_kernels.__file__).resolve()
 assert binary.is_relative_to(tree), f"{binary} is not of {tree}"
 assert b"__asan_report" in binary.read_bytes(), f"{binary} is not sanitised"
 print(f"testing {binary}", flush=True)
-tests = str(tree / "tests" / "test_kernels.py")
+tests = [str(tree / "tests" / name) for name in ("test_kernels.py", "test_chain_kernel.py")]
 options = [
     f"--rootdir={tree}",
     "-p",
     "no:cacheprovider",
     "--capture=no",
 ]  # a sanitiser's last words are not lost
-sys.exit(pytest.main([tests, *options]))
+sys.exit(pytest.main([*tests, *options]))

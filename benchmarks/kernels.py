@@ -13,13 +13,15 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import distance_transform_cdt
 
-from orthospec.kernels import cube_sizes, symmetric_eigenvalues
+from orthospec.kernels import chain_compliance, cube_sizes, symmetric_eigenvalues
 
 EDGE = 201
 MATRICES = 200_000
+PLATFORMS = 32_768
 ROUNDS = 9
 
 Rivals = dict[str, Callable[[Any], Any]]
+Platforms = tuple[np.ndarray, np.ndarray]
 
 
 def numpy_cube_sizes(mask: np.ndarray) -> np.ndarray:
@@ -48,7 +50,13 @@ def chessboard(mask: np.ndarray) -> np.ndarray:
     return distance_transform_cdt(np.pad(mask, 1), metric="chessboard")
 
 
-def median_times(rivals: Rivals, argument: np.ndarray) -> dict[str, float]:
+def numpy_compliance(platforms: Platforms) -> np.ndarray:
+    compliances, wrenches = platforms
+    flows = np.linalg.solve(compliances, wrenches)
+    return np.linalg.inv((np.swapaxes(wrenches, 2, 3) @ flows).sum(axis=1))
+
+
+def median_times(rivals: Rivals, argument: Any) -> dict[str, float]:
     """Median seconds of each; the rivals take turns, so that a busy spell meets all of them."""
     taken: dict[str, list[float]] = {name: [] for name in rivals}
     for _ in range(ROUNDS):
@@ -59,7 +67,7 @@ def median_times(rivals: Rivals, argument: np.ndarray) -> dict[str, float]:
     return {name: statistics.median(times) for name, times in taken.items()}
 
 
-def compare(title: str, rivals: Rivals, argument: np.ndarray, count: int) -> None:
+def compare(title: str, rivals: Rivals, argument: Any, count: int) -> None:
     """Print the first rival's time and the others beside it."""
     times = median_times(rivals, argument)
     ours = next(iter(times.values()))
@@ -73,6 +81,13 @@ def masks() -> dict[str, np.ndarray]:
     x, y, z = np.meshgrid(axis, axis, axis, indexing="ij", sparse=True)
     noise = np.random.default_rng(0).random((EDGE,) * 3) < 0.9
     return {"ball": (x**2 + y**2 + z**2 <= 0.9).astype(np.uint8), "noise": noise.astype(np.uint8)}
+
+
+def platforms(chains: int, wrenches: int) -> Platforms:
+    random = np.random.default_rng(2)
+    halves = random.standard_normal((PLATFORMS, chains, wrenches, wrenches))
+    compliances = halves @ np.swapaxes(halves, 2, 3) + np.eye(wrenches)
+    return compliances, random.standard_normal((PLATFORMS, chains, wrenches, 6))
 
 
 def main() -> None:
@@ -90,6 +105,13 @@ def main() -> None:
         "numpy.linalg.eigvalsh": np.linalg.eigvalsh,
     }
     compare(f"{MATRICES} symmetric 3 x 3 matrices", spectra, matrices, MATRICES)
+    stiffnesses: Rivals = {
+        "chain_compliance": lambda platforms: chain_compliance(*platforms),
+        "numpy.linalg.solve and inv": numpy_compliance,
+    }
+    for chains, wrenches in ((3, 2), (3, 3), (6, 1)):
+        title = f"{PLATFORMS} platforms, {chains} chains of {wrenches}"
+        compare(title, stiffnesses, platforms(chains, wrenches), PLATFORMS)
 
 
 if __name__ == "__main__":

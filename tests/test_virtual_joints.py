@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from orthospec.mechanics import virtual_joints
 from orthospec.mechanics.virtual_joints import (
     actuator,
     chain_stiffness,
@@ -182,3 +184,106 @@ class TestPlatforms:
         product = found @ stiffness
         assert (np.abs(product - np.eye(6)).max(axis=(1, 2)) <= 1e-12 * conditions).all()
         np.testing.assert_array_equal(found, turned(found))
+
+    def test_of_rigid_chains_are_the_limit_of_stiffer_and_stiffer_ones(self):
+        random = np.random.default_rng(3)
+        reduced, wrenches, _ = side_by_side(random, 3, 3)
+        soft = np.diag([1.0, 1.0, 0.0])
+        rigid = parallel_compliance(soft @ reduced @ soft, wrenches)
+        stiff = [
+            parallel_compliance(soft @ reduced @ soft + least * np.diag([0, 0, 1.0]), wrenches)
+            for least in (2e-4, 1e-4)
+        ]
+        assert np.abs(stiff[1] - rigid).max() <= 0.6 * np.abs(stiff[0] - rigid).max()
+        assert close(2 * stiff[1] - stiff[0], rigid, 1e-6)
+
+    def test_of_rigid_chains_alone_are_rigid(self):
+        wrenches = np.random.default_rng(4).standard_normal((POSES, 3, 3, 6))
+        assert not parallel_compliance(np.zeros((POSES, 3, 3, 3)), wrenches).any()
+
+    def test_of_rigid_and_elastic_chains_give_only_where_the_rigid_ones_let_them(self):
+        """Four rigid wrenches leave two twists, in which two chains of one spring each give."""
+        random = np.random.default_rng(5)
+        wrenches, reduced = random.standard_normal((POSES, 6, 1, 6)), np.zeros((POSES, 6, 1, 1))
+        reduced[:, 4:] = random.uniform(1, 2, (POSES, 2, 1, 1))
+        inverse = np.linalg.inv(wrenches[:, :, 0])
+        expected = inverse @ (reduced[:, :, 0] * turned(inverse))
+        assert close(parallel_compliance(reduced, wrenches), expected)
+
+    def test_do_not_depend_on_the_route(self):
+        """One rigid pose among elastic ones sends that one alone by the forces."""
+        reduced, wrenches, stiffness = side_by_side(np.random.default_rng(6), 3, 3)
+        by_stiffness = parallel_compliance(reduced, wrenches)
+        by_forces = virtual_joints._by_forces(reduced, wrenches)
+        assert close(by_forces, by_stiffness, 1e-14 * np.linalg.cond(stiffness).max())
+        reduced[2, 0] = 0.0
+        np.testing.assert_array_equal(
+            np.delete(parallel_compliance(reduced, wrenches), 2, 0), np.delete(by_stiffness, 2, 0)
+        )
+
+    @pytest.mark.parametrize("rigid", [False, True])
+    def test_that_are_loose_have_infinite_compliance(self, rigid):
+        reduced, wrenches, _ = side_by_side(np.random.default_rng(7), 3, 3)
+        along = np.random.default_rng(8).standard_normal(6)
+        wrenches[1] -= (wrenches[1] @ along)[..., None] * along / (along @ along)
+        if rigid:
+            reduced[1, 0] = 0.0
+        found = parallel_compliance(reduced, wrenches)
+        assert np.isposinf(found[1]).all()
+        assert np.isfinite(np.delete(found, 1, 0)).all()
+
+    def test_on_too_few_wrenches_are_loose(self):
+        reduced, wrenches, _ = side_by_side(np.random.default_rng(9), 1, 5)
+        assert np.isposinf(parallel_compliance(reduced, wrenches)).all()
+
+    def test_of_what_is_not_a_number_are_not_numbers(self):
+        reduced, wrenches, _ = side_by_side(np.random.default_rng(10), 3, 3)
+        reduced[0, 1, 2, 2], wrenches[3, 0, 0, 0] = np.nan, np.nan
+        found = parallel_compliance(reduced, wrenches)
+        assert np.isnan(found).all(axis=(1, 2)).tolist() == [True, False, False, True, False]
+
+    @pytest.mark.parametrize("rigid", [False, True])
+    @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3])
+    def test_do_not_depend_on_the_unit_of_length(self, scale, rigid):
+        reduced, wrenches, _ = side_by_side(np.random.default_rng(11), 3, 3)
+        if rigid:
+            reduced[:, 0] = 0.0
+        units = np.repeat([1.0, scale], 3)
+        found = parallel_compliance(reduced, wrenches * units) * units[:, None] * units
+        assert close(found, parallel_compliance(reduced, wrenches), 1e-9)
+
+
+class TestUniversalJoints:
+    """Three legs between universal joints that meet at the tool point."""
+
+    ACTUATOR, LEG = 3e-8, 2e-9
+
+    def platform(self, seed):
+        """Compliance at the tool, of legs along u whose joints turn about a and z at either end."""
+        random = np.random.default_rng(seed)
+        slides = np.broadcast_to(np.eye(3), (POSES, 3, 3))
+        u = unit(slides + random.uniform(-0.5, 0.5, (POSES, 3, 3)))
+        parts = [self.chain(slides[:, i], u[:, i], unit(np.roll(slides[:, i], 1, axis=-1))) for i in range(3)]
+        reduced, wrenches = (np.stack(part, axis=1) for part in zip(*parts, strict=True))
+        return u, slides, parallel_compliance(reduced, wrenches)
+
+    def chain(self, slide, u, a):
+        z = unit(np.cross(a, u))
+        frame = np.stack([-u, np.cross(z, -u), z], axis=1)
+        leg = np.diag([self.LEG, 1e-6, 2e-6, 1e-4, 2e-4, 3e-4])
+        turns = np.concatenate([np.zeros((POSES, 2, 3)), np.stack([a, z], axis=1)], axis=2)
+        passive = np.concatenate([turns, transported_twists(turns, 0.3 * u[:, None])], axis=1)
+        wrenches = transmitted_wrenches(passive)
+        twist = np.concatenate([slide, np.zeros((POSES, 3))], axis=1)
+        springs = spring_at(leg, frame, np.zeros((POSES, 3))) + actuator(twist, self.ACTUATOR)
+        return reduced_compliance(springs, wrenches), wrenches
+
+    @settings(max_examples=30, deadline=None)
+    @given(seeds)
+    def test_give_the_closed_form_and_no_coupling(self, seed):
+        u, slides, found = self.platform(seed)
+        along = np.sum(u * slides, axis=2)
+        springs = 1 / (self.ACTUATOR * along**2 + self.LEG)
+        stiffness = np.einsum("nk,nki,nkj->nij", springs, u, u)
+        assert close(found[:, :3, :3], np.linalg.inv(stiffness), 1e-9)
+        assert np.abs(found[:, :3, 3:]).max() <= 1e-12 * np.abs(found[:, 3:, 3:]).max()

@@ -1,4 +1,4 @@
-"""The two loops that are too slow in Python, in C; `twin` is the plain Python of each.
+"""The loops that are too slow in Python, in C; `twin` is the plain Python of each.
 
 >>> import numpy as np
 >>> int(cube_sizes(np.ones((4, 5, 6), dtype=np.uint8)).max())
@@ -18,9 +18,9 @@ from orthospec.kernels import _kernels
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from orthospec.arrays import Array, Matrices
+    from orthospec.arrays import Array, Flags, Matrices
 
-__all__ = ["cube_sizes", "symmetric_eigenvalues"]
+__all__ = ["chain_compliance", "cube_sizes", "symmetric_eigenvalues"]
 
 
 def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.uint8] | NDArray[np.uint16]:
@@ -56,3 +56,18 @@ def _eigenvalues_of_any_size(matrices: Matrices) -> Array:
     known = np.isfinite(np.tril(matrices)).all(axis=(1, 2))
     eigenvalues[known] = np.linalg.eigvalsh(matrices[known])
     return eigenvalues
+
+
+def chain_compliance(compliances: Array, wrenches: Array) -> tuple[Matrices, Flags]:
+    """C = (Σ Wᵀ D⁻¹ W)⁻¹ (n, 6, 6) of platforms on chains side by side, and where it is safe (n,).
+
+    ``compliances`` D (n, chains, m, m) are symmetric, of which the lower triangles are read, and ``wrenches``
+    are W (n, chains, m, 6), m of 1 to 6. Safe means that all D and the sum are positive definite, with pivots
+    over 1e-6 of their diagonal entries; the error is then rounding over the least of these. Elsewhere C is
+    NaN.
+    """
+    compliances = np.ascontiguousarray(compliances, dtype=np.float64)
+    wrenches = np.ascontiguousarray(wrenches, dtype=np.float64)
+    out, safe = np.empty((len(compliances), 6, 6)), np.empty(len(compliances), dtype=np.bool_)
+    _kernels.chain_compliance(compliances, wrenches, out, safe)
+    return out, safe

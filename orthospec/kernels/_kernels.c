@@ -51,22 +51,31 @@ static int take(PyObject *array, Py_buffer *view, const Argument *wanted)
     return -1;
 }
 
-/* Both arguments of a kernel, which are released together, or none. */
-static int take_both(PyObject *arguments, const char *signature, const Argument wanted[2], Py_buffer views[2])
+static void release(Py_buffer views[], int count)
 {
-    PyObject *in, *out;
-    if (!PyArg_ParseTuple(arguments, signature, &in, &out) || take(in, &views[0], &wanted[0]) < 0)
-        return -1;
-    if (take(out, &views[1], &wanted[1]) == 0)
-        return 0;
-    PyBuffer_Release(&views[0]);
-    return -1;
+    for (int i = 0; i < count; i++)
+        PyBuffer_Release(&views[i]);
 }
 
-static PyObject *release_both(Py_buffer views[2], const char *problem)
+enum { MOST_ARGUMENTS = 4 };
+
+/* All arguments of a kernel, which are released together, or none. */
+static int take_all(PyObject *arguments, const char *signature, const Argument wanted[], Py_buffer views[], int count)
 {
-    PyBuffer_Release(&views[0]);
-    PyBuffer_Release(&views[1]);
+    PyObject *arrays[MOST_ARGUMENTS];
+    if (!PyArg_ParseTuple(arguments, signature, &arrays[0], &arrays[1], &arrays[2], &arrays[3]))
+        return -1;
+    for (int i = 0; i < count; i++)
+        if (take(arrays[i], &views[i], &wanted[i]) < 0) {
+            release(views, i);
+            return -1;
+        }
+    return 0;
+}
+
+static PyObject *release_all(Py_buffer views[], int count, const char *problem)
+{
+    release(views, count);
     if (problem == NULL)
         Py_RETURN_NONE;
     PyErr_SetString(PyExc_ValueError, problem);
@@ -95,7 +104,7 @@ static PyObject *cube_sizes(PyObject *Py_UNUSED(module), PyObject *arguments)
 {
     static const Argument wanted[2] = {{"mask", "B?", "uint8 or bool", 3, 0}, {"out", "BH", "uint8 or uint16", 3, 1}};
     Py_buffer views[2];
-    if (take_both(arguments, "OO:cube_sizes", wanted, views) < 0)
+    if (take_all(arguments, "OO:cube_sizes", wanted, views, 2) < 0)
         return NULL;
     const char *const problem = wrong_sizes(&views[0], &views[1]);
     if (problem == NULL) {
@@ -108,7 +117,7 @@ static PyObject *cube_sizes(PyObject *Py_UNUSED(module), PyObject *arguments)
             cube_sizes_u16(views[0].buf, views[1].buf, shape);
         Py_END_ALLOW_THREADS
     }
-    return release_both(views, problem);
+    return release_all(views, 2, problem);
 }
 
 static const char *wrong_eigenvalues(const Py_buffer *matrices, const Py_buffer *out)
@@ -126,7 +135,7 @@ static PyObject *eigenvalues(PyObject *Py_UNUSED(module), PyObject *arguments)
 {
     static const Argument wanted[2] = {{"matrices", "d", "float64", 3, 0}, {"out", "d", "float64", 2, 1}};
     Py_buffer views[2];
-    if (take_both(arguments, "OO:symmetric_eigenvalues_3", wanted, views) < 0)
+    if (take_all(arguments, "OO:symmetric_eigenvalues_3", wanted, views, 2) < 0)
         return NULL;
     const char *const problem = wrong_eigenvalues(&views[0], &views[1]);
     if (problem == NULL) {
@@ -134,7 +143,46 @@ static PyObject *eigenvalues(PyObject *Py_UNUSED(module), PyObject *arguments)
         symmetric_eigenvalues_3(views[0].buf, views[1].buf, (size_t)views[0].shape[0]);
         Py_END_ALLOW_THREADS
     }
-    return release_both(views, problem);
+    return release_all(views, 2, problem);
+}
+
+static const char *wrong_chains(const Py_buffer views[4])
+{
+    const Py_ssize_t *const d = views[0].shape, *const w = views[1].shape;
+    const Py_ssize_t *const out = views[2].shape, *const safe = views[3].shape;
+    if (d[2] != d[3] || d[2] < 1 || d[2] > 6)
+        return "compliances has another shape than (n, chains, m, m) with m of 1 to 6";
+    if (memcmp(d, w, 3 * sizeof *d) != 0 || w[3] != 6)
+        return "wrenches has another shape than (n, chains, m, 6), by the compliances";
+    if (out[0] != d[0] || out[1] != 6 || out[2] != 6)
+        return "out has another shape than (n, 6, 6)";
+    if (safe[0] != d[0])
+        return "safe has another shape than (n,)";
+    for (int written = 2; written < 4; written++)
+        for (int other = 0; other < written; other++)
+            if (overlap(&views[written], &views[other]))
+                return written == 2 ? "out overlaps another argument" : "safe overlaps another argument";
+    return NULL;
+}
+
+static PyObject *compliance(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    static const Argument wanted[4] = {{"compliances", "d", "float64", 4, 0},
+                                       {"wrenches", "d", "float64", 4, 0},
+                                       {"out", "d", "float64", 3, 1},
+                                       {"safe", "B?", "uint8 or bool", 1, 1}};
+    Py_buffer views[4];
+    if (take_all(arguments, "OOOO:chain_compliance", wanted, views, 4) < 0)
+        return NULL;
+    const char *const problem = wrong_chains(views);
+    if (problem == NULL) {
+        const Py_ssize_t *const shape = views[0].shape;
+        const Chains chains = {views[0].buf, views[1].buf, (size_t)shape[0], (size_t)shape[1], (size_t)shape[2]};
+        Py_BEGIN_ALLOW_THREADS
+        chain_compliance(&chains, views[2].buf, views[3].buf);
+        Py_END_ALLOW_THREADS
+    }
+    return release_all(views, 4, problem);
 }
 
 static PyMethodDef methods[] = {
@@ -142,6 +190,8 @@ static PyMethodDef methods[] = {
      "cube_sizes(mask, out)\n--\n\nEdge in nodes of the largest cube of nonzero nodes that ends at each node."},
     {"symmetric_eigenvalues_3", eigenvalues, METH_VARARGS,
      "symmetric_eigenvalues_3(matrices, out)\n--\n\nEigenvalues, ascending, from the lower triangles."},
+    {"chain_compliance", compliance, METH_VARARGS,
+     "chain_compliance(compliances, wrenches, out, safe)\n--\n\nCompliance of a platform on chains side by side."},
     {NULL, NULL, 0, NULL},
 };
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Matrices
 
-__all__ = ["cube_sizes", "symmetric_eigenvalues"]
+__all__ = ["chain_compliance", "cube_sizes", "symmetric_eigenvalues"]
 
 
 def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
@@ -44,3 +44,14 @@ def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
 def symmetric_eigenvalues(matrices: Matrices) -> Array:
     """Eigenvalues (n, m), ascending, by LAPACK; the matrices have to be finite."""
     return np.linalg.eigvalsh(matrices).astype(np.float64)
+
+
+def chain_compliance(compliances: Array, wrenches: Array) -> Matrices:
+    """C = (Σ Wᵀ D⁻¹ W)⁻¹ (n, 6, 6), node by node and chain by chain; nothing may be singular."""
+    platforms = []
+    for node_compliances, node_wrenches in zip(compliances, wrenches, strict=True):
+        stiffness = np.zeros((6, 6))
+        for d, w in zip(node_compliances, node_wrenches, strict=True):
+            stiffness += w.T @ np.linalg.inv(d) @ w
+        platforms.append(np.linalg.inv(stiffness))
+    return np.array(platforms).reshape(-1, 6, 6)

@@ -103,14 +103,23 @@ def chain_stiffness(compliance: Matrices, wrenches: Array) -> Matrices:
 def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
     """Compliance C (n, 6, 6) of a platform on chains side by side.
 
-    ``wrenches`` (n, chains, m, 6) are those that each chain transmits, in any basis, and ``reduced``
-    (n, chains, m, m) is D = W C Wᵀ of each; a chain of fewer wrenches fills up with zero rows of unit
-    compliance. A chain may be rigid (D singular). Where the platform is loose all entries are +inf, and where
-    an argument is not finite, NaN. The error is rounding times the condition number of K.
+    ``wrenches`` (n, chains, m, 6), m up to 6, are those that each chain transmits, in any basis, and
+    ``reduced`` (n, chains, m, m) is D = W C Wᵀ of each; a chain of fewer wrenches fills up with zero rows of
+    unit compliance. A chain may be rigid (D singular). Where the platform is loose all entries are +inf, and
+    where an argument is not finite, NaN. The error is rounding times the condition number of K.
+
+    Poses at which D or K is not safely inverted go another way, a hundred times as long.
     """
-    compliance = np.full((len(reduced), 6, 6), np.nan)
-    known = np.isfinite(reduced).all(axis=(1, 2, 3)) & np.isfinite(wrenches).all(axis=(1, 2, 3))
-    compliance[known] = _by_forces(reduced[known], wrenches[known])
+    from orthospec import kernels
+
+    compliance, safe = kernels.chain_compliance(reduced, wrenches)
+    if not safe.all():
+        rest = np.flatnonzero(~safe)
+        finite = np.isfinite(reduced[rest]).all(axis=(1, 2, 3)) & np.isfinite(wrenches[rest]).all(
+            axis=(1, 2, 3)
+        )
+        rest = rest[finite]
+        compliance[rest] = _by_forces(reduced[rest], wrenches[rest])
     return compliance
 
 
