@@ -8,8 +8,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
 
+from orthospec.composite.subproblem import Block, HalfLines, Rows
+from orthospec.composite.subproblem import solve as solve_subproblem
+from orthospec.composite.template import Template
 from orthospec.optimise import Outcome, evaluate_spec, solve
 from orthospec.spec import Spec, load_spec
 
@@ -42,6 +46,21 @@ def outcome_of() -> Callable[..., Outcome]:
             spec = load_spec(SPECS / f"{name}.yaml", settings)
             known[key] = solve(spec) if spec.variables else evaluate_spec(spec)
         return known[key]
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def least_slack() -> Callable[[Template, Any, float], float]:
+    """The slack that the compiled rows of a form need to hold this inside and bound."""
+
+    def find(template: Template, inside: Any, bound: float) -> float:
+        w = np.concatenate([[0.0], np.ravel(inside), [bound, np.log(bound)]])
+        rows = Rows((Block(template, 1, 1),), HalfLines(0, np.ones(1), np.zeros(1)))
+        none, one = np.zeros((len(w), 1)), np.ones(1)
+        step = solve_subproblem(rows, w, none, np.eye(1), -one, one, penalty=1.0)
+        assert step is not None
+        return step.slack
 
     return find
 

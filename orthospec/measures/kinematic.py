@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from orthospec.arrays import np
+from orthospec.measures import forms
 from orthospec.measures.base import ConvexForm, Measure, logarithm
 
 if TYPE_CHECKING:
@@ -41,17 +42,14 @@ def transmission_factors(inverse_jacobian: Matrices) -> Array:
 
 
 def logarithmic_stretch(inverse_jacobian: Matrices) -> Matrices:
-    """H = −½ ln(J⁻ᵀ J⁻¹) (n, m, m), symmetric; NaN from what is not finite."""
-    known = np.isfinite(inverse_jacobian).all(axis=(1, 2), keepdims=True)
-    safe = np.where(known, inverse_jacobian, np.eye(inverse_jacobian.shape[1]))
-    eigenvalues, vectors = np.linalg.eigh(np.swapaxes(safe, 1, 2) @ safe)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        stretch = (vectors * (-0.5 * np.log(eigenvalues))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
-    return np.where(known, (stretch + np.swapaxes(stretch, 1, 2)) / 2, np.nan)
+    """H = −½ ln(J⁻ᵀ J⁻¹) (n, m, m), symmetric; NaN from what is singular or not finite."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        gram = np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian
+    return np.asarray(-0.5 * forms.matrix_logarithm(gram))
 
 
-def _stretch_form(manipulator: Manipulator, poses: Poses, holds: Any) -> ConvexForm:
-    return ConvexForm(logarithmic_stretch(manipulator.inverse_jacobian(poses)), holds)
+def _stretch(manipulator: Manipulator, poses: Poses) -> Matrices:
+    return logarithmic_stretch(manipulator.inverse_jacobian(poses))
 
 
 class VelocityTransmission(Measure):
@@ -70,15 +68,8 @@ class VelocityTransmission(Measure):
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:
         """λ_max(H) <= ln b, or λ_min(H) >= ln b."""
-        import cvxpy as cp
-
-        def below(x: Any, bound: Any, slack: Any) -> list[Any]:
-            return [cp.lambda_max(x) <= logarithm(bound) + slack]
-
-        def above(x: Any, bound: Any, slack: Any) -> list[Any]:
-            return [cp.lambda_min(x) >= logarithm(bound) - slack]
-
-        return _stretch_form(manipulator, poses, below if side == "at_most" else above)
+        stretch = _stretch(manipulator, poses)
+        return forms.greatest_eigenvalue(stretch) if side == "at_most" else forms.least_eigenvalue(stretch)
 
 
 class ConditionNumber(Measure):
@@ -98,12 +89,7 @@ class ConditionNumber(Measure):
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(H) − λ_min(H) <= ln k."""
-        import cvxpy as cp
-
-        def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
-            return [cp.lambda_max(x) - cp.lambda_min(x) <= logarithm(bound) + slack]
-
-        return _stretch_form(manipulator, poses, holds)
+        return forms.ratio_of_eigenvalues(_stretch(manipulator, poses))
 
 
 class Manipulability(Measure):
@@ -124,4 +110,4 @@ class Manipulability(Measure):
         def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
             return [cp.trace(x) >= logarithm(bound) - slack]
 
-        return _stretch_form(manipulator, poses, holds)
+        return ConvexForm(_stretch(manipulator, poses), holds)
