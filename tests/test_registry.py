@@ -66,9 +66,7 @@ def test_an_outside_measure_is_found_beside_the_builtins(site: Path) -> None:
 
 
 def test_an_unknown_name_lists_the_installed_ones() -> None:
-    message = (
-        "unknown measure 'condition_numer'; did you mean 'condition_number'? installed: condition_number, "
-    )
+    message = "unknown measure 'condition_numer'; did you mean 'condition_number'? installed: acceleration, "
     with pytest.raises(UsageError, match=re.escape(message)):
         registry.find_measure("condition_numer")
     with pytest.raises(UsageError, match=r"unknown manipulator 'hexaglide'; .*installed: .*orthoglide"):

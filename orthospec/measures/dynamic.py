@@ -1,0 +1,251 @@
+"""Dynamic measures: what the tool weighs to its actuators, and what they can make it do.
+
+With J⁻¹ = ∂ρ/∂p and the inertia D in joint space, the inertia at the tool is G = J⁻ᵀ D J⁻¹, and the actuators
+exert
+
+    τ_i = r_i·p̈ + ṗᵀ Q_i ṗ + g_i,      r_i = row i of D J⁻¹,      g the load at rest (gravity),
+
+less what friction f_i takes. What is promised holds for every direction of the acceleration and of the
+velocity, each in the one that is worst for the actuator.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from orthospec import quantities
+from orthospec.arrays import np
+from orthospec.measures import forms
+from orthospec.measures.base import ConvexForm, Measure
+from orthospec.mechanics.inertia import at_tool
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Matrices, Poses
+    from orthospec.manipulators import Manipulator
+
+UNLIMITED = 1e30
+"""Stands for the limit of an actuator that has none, in a logarithm."""
+SMALL_ROW = 1e-9
+"""A row of a matrix is told from 0 down to this, relative to the matrix."""
+
+
+class GieNorm(Measure):
+    """Norm of the generalised inertia ellipsoid: the greatest mass that the tool has in any direction, ‖G‖₂.
+
+    G = J⁻ᵀ D J⁻¹, the inertia at the tool. Asada (1983); Pashkevich, Chablat and Wenger (2009), eq. 8; the
+    text before it writes D, the inertia in joint space, for G.
+    """
+
+    unit: ClassVar[str] = "kg"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """λ_max(G) [kg] (n,)."""
+        return _eigenvalues(_inertia(manipulator, poses))[:, -1]
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """λ_max(ln G) <= ln b."""
+        return forms.greatest_eigenvalue(forms.semidefinite_logarithm(_inertia(manipulator, poses)))
+
+
+class DynamicIsotropy(Measure):
+    """Dynamic isotropy κ(G) = λ_max(G) / λ_min(G): 1 where the tool weighs the same in all directions.
+
+    G = J⁻ᵀ D J⁻¹, the inertia at the tool. Asada (1983).
+    """
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """κ(G), (n,); inf where the tool has no mass in some direction."""
+        masses = _eigenvalues(_inertia(manipulator, poses))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(masses[:, -1] / np.maximum(masses[:, 0], 0.0))
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """λ_max(ln G) − λ_min(ln G) <= ln k."""
+        return forms.ratio_of_eigenvalues(forms.matrix_logarithm(_inertia(manipulator, poses)))
+
+
+class Acceleration(Measure):
+    """Acceleration that the actuators can give the tool from rest in every direction.
+
+      box          min_i t_i / ‖r_i‖             forces of |τ_i| <= t_i, each actuator by itself
+      ellipsoid    σ_min(J D⁻¹ diag(t_1...t_m))    forces of Σ (τ_i / t_i)² <= 1
+
+    with r_i = row i of D J⁻¹ and t_i = τ_i^max − f_i − |g_i| what friction and gravity leave of the force.
+    Not above 0 where an actuator cannot hold the machine still.
+
+    Pashkevich, Chablat and Wenger (2009), eq. 9, read as every direction; the ellipsoid: Yoshikawa (1985).
+    """
+
+    unit: ClassVar[str] = "m/s^2"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least"})
+    needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia", "actuator_forces"})
+
+    ball: Literal["box", "ellipsoid"] = "box"
+    """Whether the actuators' forces fill a box, each to its own limit, or the ellipsoid inside it."""
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The radius [m/s²] (n,) of the ball of accelerations."""
+        rows = _force_rows(manipulator, poses)
+        left = _forces_left(manipulator, poses).min(axis=2)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            radius = np.asarray((left / np.linalg.norm(rows, axis=2)).min(axis=1))
+            if self.ball == "box":
+                return radius
+            ellipsoid = 1.0 / np.sqrt(_eigenvalues(_gram(rows, left))[:, -1])
+        return np.where((left <= 0).any(axis=1), radius, ellipsoid)
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """min ln((τ_i^max − f_i ∓ g_i) / ‖r_i‖) >= ln b; λ_min(−½ ln AᵀA) of A = diag(1/t) D J⁻¹."""
+        rows = _force_rows(manipulator, poses)
+        left = np.minimum(_forces_left(manipulator, poses), UNLIMITED)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if self.ball == "box":
+                room = np.log(left) - _row_logarithms(rows)[:, :, None]
+                return forms.least_entry(room.reshape(len(rows), -1))
+            least = left.min(axis=2)
+            gram = _gram(rows, np.where(least > 0, least, np.nan))
+        return forms.least_eigenvalue(-0.5 * forms.semidefinite_logarithm(gram))
+
+
+class JointSpeed(Measure):
+    """Greatest joint speed that a tool speed asks for, whichever way the tool moves: v max_i ‖row_i(J⁻¹)‖."""
+
+    unit: ClassVar[str] = "m/s"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    speed: Annotated[quantities.Speed, Field(gt=0)]
+    """The tool's speed v [m/s]."""
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The joint speed [m/s] (n,)."""
+        rows = manipulator.inverse_jacobian(poses)
+        return np.asarray(self.speed * np.linalg.norm(rows, axis=2).max(axis=1))
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """max ln(v ‖row_i(J⁻¹)‖) <= ln b."""
+        rows = manipulator.inverse_jacobian(poses)
+        return forms.greatest_entry(np.log(self.speed) + _row_logarithms(rows))
+
+
+class ToolSpeed(Measure):
+    """Speed that the actuators can give the tool in every direction: min_i v_i^max / ‖row_i(J⁻¹)‖."""
+
+    unit: ClassVar[str] = "m/s"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least"})
+    needs: ClassVar[frozenset[str]] = frozenset({"actuator_speeds"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The tool's speed [m/s] (n,)."""
+        rows = manipulator.inverse_jacobian(poses)
+        with np.errstate(divide="ignore"):
+            speeds = manipulator.actuator_limits().speeds / np.linalg.norm(rows, axis=2)
+        return np.asarray(speeds.min(axis=1))
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """min ln(v_i^max / ‖row_i(J⁻¹)‖) >= ln b."""
+        speeds = np.minimum(manipulator.actuator_limits().speeds, UNLIMITED)
+        return forms.least_entry(np.log(speeds) - _row_logarithms(manipulator.inverse_jacobian(poses)))
+
+
+class ActuatorForce(Measure):
+    """Greatest actuator force that an acceleration and a speed of the tool ask for, in any direction.
+
+      max_i  a ‖r_i‖ + ρ(v² Q_i + g_i I) + f_i
+
+    with r_i = row i of D J⁻¹, ṗᵀ Q_i ṗ the force that a constant velocity ṗ asks of actuator i, g_i its load
+    at rest (gravity), f_i its friction, and ρ the greatest magnitude of an eigenvalue. Acceleration and
+    velocity each have the direction that is worst for actuator i. From rest, v = 0: a ‖r_i‖ + |g_i| + f_i.
+    """
+
+    unit: ClassVar[str] = "N"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
+
+    acceleration: Annotated[quantities.Acceleration, Field(ge=0)]
+    """The tool's acceleration a [m/s^2]."""
+    speed: Annotated[quantities.Speed, Field(ge=0)] = 0.0
+    """The tool's speed v [m/s]."""
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The force [N] (n,)."""
+        return _greatest_force(self._pushes(manipulator, poses), self._loads(manipulator, poses))
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """a ‖r_i‖ + f_i + λ_max(±(v² Q_i + g_i I)) <= b for each actuator and sign."""
+        pushes, loads = self._pushes(manipulator, poses), self._loads(manipulator, poses)
+        n, m, d, _ = loads.shape
+        parts = np.concatenate([pushes, loads.reshape(n, -1)], axis=1)
+
+        def within(y: Any, limit: Any) -> list[Any]:
+            import cvxpy as cp
+
+            return [
+                sign * cp.reshape(y[m + i * d * d : m + (i + 1) * d * d], (d, d), order="C")
+                << (limit - y[i]) * np.eye(d)
+                for i in range(m)
+                for sign in (1, -1)
+            ]
+
+        return forms.convex_size(parts, _greatest_force(pushes, loads), within, np.zeros(n))
+
+    def _pushes(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """a ‖r_i‖ + f_i (n, m)."""
+        norms = np.linalg.norm(_force_rows(manipulator, poses), axis=2)
+        return np.asarray(self.acceleration * norms + manipulator.actuator_limits().friction)
+
+    def _loads(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """v² Q_i + g_i I (n, m, d, d); at rest g_i alone (n, m, 1, 1)."""
+        rest = manipulator.rest_load(poses)[:, :, None, None]
+        if self.speed == 0:
+            return rest
+        return np.asarray(self.speed**2 * manipulator.velocity_forces(poses) + rest * np.eye(poses.shape[1]))
+
+
+def _eigenvalues(matrices: Matrices) -> Array:
+    from orthospec import kernels
+
+    return kernels.symmetric_eigenvalues(matrices)
+
+
+def _inertia(manipulator: Manipulator, poses: Poses) -> Matrices:
+    """G (n, d, d)."""
+    return at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
+
+
+def _force_rows(manipulator: Manipulator, poses: Poses) -> Matrices:
+    """D J⁻¹ (n, m, d): actuator forces for a unit of acceleration of each pose coordinate."""
+    return np.asarray(manipulator.joint_inertia(poses) @ manipulator.inverse_jacobian(poses))
+
+
+def _forces_left(manipulator: Manipulator, poses: Poses) -> Array:
+    """τ_i^max − f_i ∓ g_i (n, m, 2): what is left of each actuator's force on either side."""
+    limits = manipulator.actuator_limits()
+    rest = manipulator.rest_load(poses)
+    return (limits.forces - limits.friction)[:, None] + np.stack([-rest, rest], axis=2)
+
+
+def _gram(rows: Matrices, left: Array) -> Matrices:
+    """AᵀA (n, d, d) of A = diag(1/t) D J⁻¹."""
+    scaled = rows / left[:, :, None]
+    return np.asarray(np.swapaxes(scaled, 1, 2) @ scaled)
+
+
+def _greatest_force(pushes: Array, loads: Array) -> Array:
+    n, m, d, _ = loads.shape
+    spectrum = _eigenvalues(loads.reshape(n * m, d, d))[:, [0, -1]]
+    return np.asarray((pushes + np.abs(spectrum).max(axis=1).reshape(n, m)).max(axis=1))
+
+
+def _row_logarithms(matrices: Matrices) -> Array:
+    """ln ‖row_i‖ (n, m); of a row that is 0 a very small number."""
+    squares = np.einsum("nij,nij->ni", matrices, matrices)
+    with np.errstate(divide="ignore"):
+        return np.asarray(0.5 * np.log(squares + SMALL_ROW**2 * squares.sum(axis=1, keepdims=True)))
