@@ -285,6 +285,23 @@ def test_relaxing_a_bound_is_the_same_as_moving_it():
     assert second.factor == pytest.approx(first.factor, abs=1e-9)
 
 
+def test_a_region_without_room_in_an_axis_fixes_the_cuboid_there():
+    """As bounds on its centre, not as two rows against each other whose multipliers have no limit."""
+    machine = Machine(Orthoglide(leg_lengths=(1.0, 1.0, 1.0)), {})
+    none = np.zeros(0)
+    region = Cuboid((-0.5, -0.1, -0.3), (0.5, 0.1, 0.3))
+    size = np.array([0.2, 0.2 * (1 + 1e-12), 0.2])
+    limits = Limits((none, none), region)
+    problem = FitProblem(
+        lambda _: machine, size, [Group((), (0.0, 0.05, 0.9))], LargestScale(), limits, (none, 1.0)
+    )
+    np.testing.assert_allclose(problem.cuboids(problem.start)[0].centre, [0.0, 0.0, 0.2], atol=1e-15)
+    assert problem.lower[1] == problem.upper[1]
+    np.testing.assert_allclose(problem.lower[[0, 2]], [-2.0, -2.0])
+    np.testing.assert_allclose(problem.upper[[0, 2]], [2.0, 0.0], atol=1e-12)
+    assert len(limits.rows(size, problem.layout.unpack(problem.start))) == 0
+
+
 def test_a_region_holds_the_cuboid():
     region = Cuboid((-0.1, -9.0, -9.0), (0.15, 9.0, 9.0))
     problem = polish_problem(Plain(), {"at_most": 9.0}, scale=0.1, region=region)

@@ -61,7 +61,10 @@ CHANGES = {
     ),
     "an unknown machine": (
         "use: orthoglide", "use: ortoglide",
-        ["7:8: unknown manipulator 'ortoglide'; did you mean 'orthoglide'? installed: linear_delta, orthoglide"],
+        [
+            "7:8: unknown manipulator 'ortoglide'; did you mean 'orthoglide'? "
+            "installed: linear_delta, orthoglide"
+        ],
     ),
     "a forgotten section": (
         "workspace:\n  size: [1, 1, 0.8]\n  divisions: 40\n", "",
@@ -216,8 +219,8 @@ CHANGES = {
         "  legs: {kind: PU, section: {round: {diameter: 20 mm, wall: 10 mm}}, material: steal}\n",
         [
             "8:16: 'PUU' or 'PRPaR' was expected, 'PU' given",
-            "8:37: a wall of 0.01 m does not fit: more than 0 and less than 0.01 m, half of the smallest side, "
-            "was expected (no wall: solid)",
+            "8:37: a wall of 0.01 m does not fit: more than 0 and less than 0.01 m, half of the smallest "
+            "side, was expected (no wall: solid)",
             "8:80: unknown material 'steal'; known here: steel, aluminium, titanium, carbon",
         ],
     ),

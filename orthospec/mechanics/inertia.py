@@ -31,11 +31,16 @@ def inverse(matrices: Matrices) -> Matrices:
     """Inverses (n, 3, 3) or of any size; not finite where a matrix is singular, where LAPACK would raise."""
     if matrices.shape[1:] != (3, 3):
         return _inverse_of_any_size(matrices)
-    a, b, c = (matrices[:, i] for i in range(3))
-    columns = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=2)
-    determinant = np.sum(a * columns[:, :, 0], axis=1)
+    a, b, c = np.ascontiguousarray(np.moveaxis(matrices, 0, 2))
+    columns = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=1)
+    determinant = a[0] * columns[0, 0] + a[1] * columns[1, 0] + a[2] * columns[2, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(columns / determinant[:, None, None])
+        return np.ascontiguousarray(np.moveaxis(columns / determinant, 2, 0))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """a × b, components first."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def _inverse_of_any_size(matrices: Matrices) -> Matrices:

@@ -46,9 +46,7 @@ def compliance(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array:
     found = np.empty((legs.poses, 6, 6))
     for start in range(0, legs.poses, BLOCK):
         part = slice(start, start + BLOCK)
-        chains = [_chain(machine, springs, i, legs.s[i, :, part]) for i in range(len(machine.lengths))]
-        wrenches, compliances = (np.stack(parts, axis=1) for parts in zip(*chains, strict=True))
-        found[part] = parallel_compliance(compliances, wrenches)
+        found[part] = parallel_compliance(*_chains(machine, springs, legs.s[:, :, part]))
     return found
 
 
@@ -58,6 +56,24 @@ def foot_frame(machine: PrismaticLegs, i: int) -> Array:
     z = np.cross(x, machine.revolutes[i])
     z /= np.linalg.norm(z)
     return np.stack([x, np.cross(z, x), z])
+
+
+def _chains(machine: PrismaticLegs, springs: Springs, s: Array) -> tuple[Array, Array]:
+    """Each chain's compliance (k, 3, w, w) to the wrenches (k, 3, w, 6) that it lets through, at the tool."""
+    count = 2 if springs.spacing is None else 3
+    compliances, wrenches = np.zeros((s.shape[2], 3, count, count)), np.zeros((s.shape[2], 3, count, 6))
+    for i in range(3):
+        bar = _bar(machine, i, s[i])
+        moments = (bar.t,) if springs.spacing is None else (bar.t, bar.z)
+        wrenches[:, i, 0, :3] = bar.u.T
+        wrenches[:, i, 0, 3:] = (_crossing(machine.joints[i]) @ bar.u).T
+        for k, moment in enumerate(moments, start=1):
+            wrenches[:, i, k, 3:] = moment.T
+        compliances[:, i] = _leg(springs, i, bar)
+        compliances[:, i, 0, 0] += springs.actuator * (machine.axes[i] @ bar.u) ** 2
+        if springs.feet[i].any():
+            _add_foot(compliances[:, i], springs.feet[i], foot_frame(machine, i), (bar.u, *moments))
+    return compliances, wrenches
 
 
 class _Bar(NamedTuple):
@@ -72,47 +88,42 @@ class _Bar(NamedTuple):
 
 def _bar(machine: PrismaticLegs, i: int, s: Array) -> _Bar:
     u = s / machine.lengths[i]
-    a = machine.revolutes[i][:, None]
-    z = np.cross(a, u, axis=0)
-    cosine = np.sqrt(np.sum(z * z, axis=0))
+    around = _crossing(machine.revolutes[i])
+    z = around @ u
+    cosine = np.sqrt(_dot(z, z))
     with np.errstate(divide="ignore", invalid="ignore"):
-        z = z / cosine
-    return _Bar(u, np.cross(a, z, axis=0), z, -np.sum(a * u, axis=0), cosine)
-
-
-def _chain(machine: PrismaticLegs, springs: Springs, i: int, s: Array) -> tuple[Array, Array]:
-    """The wrenches at the tool (k, w, 6) that chain i lets through, and its compliance to them (k, w, w)."""
-    bar = _bar(machine, i, s)
-    moments = (bar.t,) if springs.spacing is None else (bar.t, bar.z)
-    wrenches = np.zeros((s.shape[1], 1 + len(moments), 6))
-    wrenches[:, 0, :3] = bar.u.T
-    wrenches[:, 0, 3:] = np.cross(machine.joints[i][:, None], bar.u, axis=0).T
-    for k, moment in enumerate(moments, start=1):
-        wrenches[:, k, 3:] = moment.T
-    found = _leg(springs, i, bar)
-    found[:, 0, 0] += springs.actuator * (machine.axes[i] @ bar.u) ** 2
-    if springs.feet[i].any():
-        found += _foot(machine, springs, i, bar.u, moments)
-    return wrenches, found
+        z /= cosine
+    return _Bar(u, around @ z, z, -(machine.revolutes[i] @ u), cosine)
 
 
 def _leg(springs: Springs, i: int, bar: _Bar) -> Array:
+    """The leg's own compliance (k, w, w)."""
+    C, c, s = springs.bars[i], bar.cosine, bar.sine
     if springs.spacing is not None:
-        return parallelogram_compliance(
-            springs.bars[i], spacing=springs.spacing, cos=bar.cosine, sin=bar.sine
-        )
-    c = springs.bars[i]
-    w = np.zeros((len(bar.sine), 2, 6))
-    w[:, 0, 0] = -1.0
-    w[:, 1, 3], w[:, 1, 4] = bar.cosine, -bar.sine
-    return np.asarray(w @ c @ np.swapaxes(w, 1, 2))
+        return parallelogram_compliance(C, spacing=springs.spacing, cos=c, sin=s)
+    found = np.empty((len(c), 2, 2))
+    found[:, 0, 0] = C[0, 0]
+    found[:, 0, 1] = found[:, 1, 0] = C[0, 4] * s - C[0, 3] * c
+    found[:, 1, 1] = C[3, 3] * c**2 - 2 * C[3, 4] * c * s + C[4, 4] * s**2
+    return found
 
 
-def _foot(machine: PrismaticLegs, springs: Springs, i: int, u: Array, moments: tuple[Array, ...]) -> Array:
-    """At the foot's end the same force and moments act: the force passes through the joint there."""
-    frame = foot_frame(machine, i)
-    w = np.zeros((u.shape[1], 1 + len(moments), 6))
-    w[:, 0, :3] = (frame @ u).T
-    for k, moment in enumerate(moments, start=1):
-        w[:, k, 3:] = (frame @ moment).T
-    return np.asarray(w @ springs.feet[i] @ np.swapaxes(w, 1, 2))
+def _add_foot(total: Array, foot: Array, frame: Array, loads: tuple[Array, ...]) -> None:
+    """At the foot's end the same force (the first load) and moments act: the force passes through it."""
+    blocks = foot.reshape(2, 3, 2, 3)
+    for j, left in enumerate(loads):
+        for k, right in enumerate(loads[: j + 1]):
+            block = frame.T @ blocks[min(j, 1), :, min(k, 1)] @ frame
+            work = _dot(left, block @ right)
+            total[:, j, k] += work
+            if j != k:
+                total[:, k, j] += work
+
+
+def _crossing(a: Array) -> Array:
+    """The matrix of a × (3, 3)."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("ik,ik->k", a, b))

@@ -111,6 +111,8 @@ class FitProblem:
         self._built: tuple[bytes, Machine] | None = None
         self._forms = Forms()
         centres = np.array([group.centre for group in groups])
+        if limits.scale is None:
+            centres = np.clip(centres, *limits.centres(size))
         self.layout = Layout(size, centres, limits, objective.extremes)
         machine = self.machine(start[0])
         probe = np.zeros((1, len(machine.manipulator.axes)))

@@ -35,10 +35,20 @@ class Limits:
     least_scale: float | None = None
     """A scale to be reached, elastically: the start may be smaller."""
 
+    def centres(self, size: Array) -> tuple[Array, Array]:
+        """Box of the centres of cuboids of scale 1, (d,) each; a point in an axis that leaves no room."""
+        if self.region is None:
+            return np.full(len(size), -np.inf), np.full(len(size), np.inf)
+        low, high = np.array(self.region.low) + size / 2, np.array(self.region.high) - size / 2
+        return np.where(low < high, low, (low + high) / 2), np.where(low < high, high, (low + high) / 2)
+
     def rows(self, size: Array, point: Point) -> Array:
-        """Rows <= 0: the scale to be reached, and the cuboids within their region, relative to their size."""
+        """Rows <= 0: the scale to be reached, and a μ that varies within the region, relative to the size.
+
+        Cuboids of fixed scale are held by bounds on their centres, which need no slack.
+        """
         rows = [] if self.least_scale is None else [np.array([self.least_scale - point.scale])]
-        if self.region is not None:
+        if self.region is not None and self.scale is not None:
             half = point.scale * size / 2
             rows.append(np.ravel((np.array(self.region.low) - point.centres + half) / size))
             rows.append(np.ravel((point.centres + half - np.array(self.region.high)) / size))
@@ -100,8 +110,12 @@ class Layout:
     def box(self) -> tuple[Array, Array]:
         """Bounds of x."""
         ends = []
+        places = self.limits.centres(self.size)
         for side, infinity in enumerate((-np.inf, np.inf)):
             mu = [self.limits.scale[side]] if self.limits.scale else []
-            centres, extremes = np.full(self.start.size, infinity), np.full(len(self.extremes), infinity)
-            ends.append(np.concatenate([self.limits.design[side], centres, mu, extremes]))
+            held = np.full(self.start.shape, infinity)
+            if self.limits.scale is None:
+                held = (places[side] - self.start) / self.size
+            extremes = np.full(len(self.extremes), infinity)
+            ends.append(np.concatenate([self.limits.design[side], held.ravel(), mu, extremes]))
         return ends[0], ends[1]
