@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from orthospec.composite.template import compile_form
 from orthospec.manipulators.base import ActuatorLimits
+from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures.dynamic import (
     Acceleration,
     ActuatorForce,
@@ -234,6 +235,42 @@ def test_an_actuator_without_a_limit_limits_nothing(least_slack, name):
     form = measure.form(machine, POSE, side)
     template = compile_form(form.holds, form.inside.shape[1:])
     assert least_slack(template, form.inside[0], 50.0) == pytest.approx(np.log(2), abs=1e-8)
+
+
+@pytest.mark.parametrize("name", ["gie_norm", "dynamic_isotropy", "acceleration, box", "actuator_force"])
+def test_infinite_inertia_violates_at_a_singularity_and_is_unknown_elsewhere(name):
+    measure, side = MEASURES[name]
+    inverse = np.array([[[1, 1, 1], [1, 1, 1], [0, 0, 1]], np.eye(3), np.eye(3)], dtype=float)
+    inertia = np.stack([np.full((3, 3), np.nan), np.full((3, 3), np.nan), np.eye(3)])
+    values = measure.values(machine_with(inverse, inertia, force=10.0), np.zeros((3, 3)))
+    assert values[0] == (np.inf if side == "at_most" else 0.0)
+    assert np.isnan(values[1])
+    assert 0 < values[2] < np.inf
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        GieNorm(),
+        DynamicIsotropy(),
+        Acceleration(),
+        Acceleration(ball="ellipsoid"),
+        ActuatorForce(acceleration=1.0),
+    ],
+)
+def test_the_orthoglide_violates_at_its_parallel_singularity(measure):
+    machine = Orthoglide.model_validate(
+        {
+            "leg_lengths": [0.45] * 3,
+            "legs": {"section": {"rectangle": {"height": 0.02, "width": 0.01}}, "material": "steel"},
+            "actuators": {"force": 300.0, "mass": 2.0},
+            "platform": {"mass": 1.0},
+            "gravity": [0, 0, -9.81],
+        }
+    )
+    singular, isotropic = measure.values(machine, np.array([[-0.4, -0.2, -0.05], [0.0, 0.0, 0.0]]))
+    assert singular == (0.0 if "at_least" in measure.sides else np.inf)
+    assert 0 < isotropic < np.inf
 
 
 def test_a_joint_that_stands_still_limits_nothing():

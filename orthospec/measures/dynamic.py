@@ -6,7 +6,8 @@ exert
     τ_i = r_i·p̈ + ṗᵀ Q_i ṗ + g_i,      r_i = row i of D J⁻¹,      g the load at rest (gravity),
 
 less what friction f_i takes. What is promised holds for every direction of the acceleration and of the
-velocity, each in the one that is worst for the actuator.
+velocity, each in the one that is worst for the actuator. At a parallel singularity D is infinite: a mass, a
+force and an anisotropy are inf, an acceleration is 0.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 UNLIMITED = 1e30
 """Stands for the limit of an actuator that has none, in a logarithm."""
+SINGULAR = 1e-12
+"""Below this determinant of J⁻¹, relative to the lengths of its rows, the pose is singular to rounding."""
 SMALL_ROW = 1e-9
 """A row of a matrix is told from 0 down to this, relative to the matrix."""
 
@@ -44,7 +47,8 @@ class GieNorm(Measure):
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """λ_max(G) [kg] (n,)."""
-        return _eigenvalues(_inertia(manipulator, poses))[:, -1]
+        masses = _eigenvalues(_inertia(manipulator, poses))[:, -1]
+        return _or_if_singular(np.inf, masses, manipulator, poses)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(ln G) <= ln b."""
@@ -65,7 +69,8 @@ class DynamicIsotropy(Measure):
         """κ(G), (n,); inf where the tool has no mass in some direction."""
         masses = _eigenvalues(_inertia(manipulator, poses))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(masses[:, -1] / np.maximum(masses[:, 0], 0.0))
+            ratio = masses[:, -1] / np.maximum(masses[:, 0], 0.0)
+        return _or_if_singular(np.inf, ratio, manipulator, poses)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(ln G) − λ_min(ln G) <= ln k."""
@@ -96,11 +101,11 @@ class Acceleration(Measure):
         rows = _force_rows(manipulator, poses)
         left = _forces_left(manipulator, poses).min(axis=2)
         with np.errstate(divide="ignore", invalid="ignore"):
-            radius = np.asarray((left / np.linalg.norm(rows, axis=2)).min(axis=1))
-            if self.ball == "box":
-                return radius
-            ellipsoid = 1.0 / np.sqrt(_eigenvalues(_gram(rows, left))[:, -1])
-        return np.where((left <= 0).any(axis=1), radius, ellipsoid)
+            radius = (left / np.linalg.norm(rows, axis=2)).min(axis=1)
+            if self.ball == "ellipsoid":
+                ellipsoid = 1.0 / np.sqrt(_eigenvalues(_gram(rows, left))[:, -1])
+                radius = np.where((left <= 0).any(axis=1), radius, ellipsoid)
+        return _or_if_singular(0.0, radius, manipulator, poses)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """min ln((τ_i^max − f_i ∓ g_i) / ‖r_i‖) >= ln b; λ_min(−½ ln AᵀA) of A = diag(1/t) D J⁻¹."""
@@ -176,7 +181,8 @@ class ActuatorForce(Measure):
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """The force [N] (n,)."""
-        return _greatest_force(self._pushes(manipulator, poses), self._loads(manipulator, poses))
+        forces = _greatest_force(self._pushes(manipulator, poses), self._loads(manipulator, poses))
+        return _or_if_singular(np.inf, forces, manipulator, poses)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """a ‖r_i‖ + f_i + λ_max(±(v² Q_i + g_i I)) <= b for each actuator and sign."""
@@ -203,10 +209,12 @@ class ActuatorForce(Measure):
 
     def _loads(self, manipulator: Manipulator, poses: Poses) -> Array:
         """v² Q_i + g_i I (n, m, d, d); at rest g_i alone (n, m, 1, 1)."""
-        rest = manipulator.rest_load(poses)[:, :, None, None]
-        if self.speed == 0:
-            return rest
-        return np.asarray(self.speed**2 * manipulator.velocity_forces(poses) + rest * np.eye(poses.shape[1]))
+        with np.errstate(invalid="ignore"):
+            rest = manipulator.rest_load(poses)[:, :, None, None]
+            if self.speed == 0:
+                return rest
+            moving = self.speed**2 * manipulator.velocity_forces(poses)
+            return np.asarray(moving + rest * np.eye(poses.shape[1]))
 
 
 def _eigenvalues(matrices: Matrices) -> Array:
@@ -217,19 +225,36 @@ def _eigenvalues(matrices: Matrices) -> Array:
 
 def _inertia(manipulator: Manipulator, poses: Poses) -> Matrices:
     """G (n, d, d)."""
-    return at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
+    with np.errstate(invalid="ignore", over="ignore"):
+        return at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
+
+
+def _or_if_singular(worst: float, values: Array, manipulator: Manipulator, poses: Poses) -> Array:
+    """The values, the worst one in the place of NaN at a parallel singularity."""
+    unknown = np.flatnonzero(np.isnan(values))
+    if not len(unknown):
+        return values
+    inverse = manipulator.inverse_jacobian(poses)[unknown]
+    with np.errstate(invalid="ignore"):
+        volume = np.linalg.norm(inverse, axis=2).prod(axis=1)
+        singular = np.abs(np.linalg.det(inverse)) <= SINGULAR * volume
+    found = values.copy()
+    found[unknown[singular]] = worst
+    return found
 
 
 def _force_rows(manipulator: Manipulator, poses: Poses) -> Matrices:
     """D J⁻¹ (n, m, d): actuator forces for a unit of acceleration of each pose coordinate."""
-    return np.asarray(manipulator.joint_inertia(poses) @ manipulator.inverse_jacobian(poses))
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(manipulator.joint_inertia(poses) @ manipulator.inverse_jacobian(poses))
 
 
 def _forces_left(manipulator: Manipulator, poses: Poses) -> Array:
     """τ_i^max − f_i ∓ g_i (n, m, 2): what is left of each actuator's force on either side."""
     limits = manipulator.actuator_limits()
-    rest = manipulator.rest_load(poses)
-    return (limits.forces - limits.friction)[:, None] + np.stack([-rest, rest], axis=2)
+    with np.errstate(invalid="ignore"):
+        rest = manipulator.rest_load(poses)
+        return (limits.forces - limits.friction)[:, None] + np.stack([-rest, rest], axis=2)
 
 
 def _gram(rows: Matrices, left: Array) -> Matrices:
