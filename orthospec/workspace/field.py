@@ -99,17 +99,18 @@ def node_states(
 ) -> tuple[list[NDArray[np.uint8]], list[Failure]]:
     """The state of each node under each demand alone, shaped as the grid; and the first failure of each.
 
-    Without demands the one array tells the reach alone (eq. 3 of the paper). Demands that share a measure
-    (levels) share its values.
+    Without demands the one array tells the reach alone (eq. 3 of the paper). Demands on equal measures share
+    their values: levels, and bounds apart from each other.
     """
     states = [np.zeros(grid.nodes, dtype=np.uint8) for _ in demands or (None,)]
+    owners = [next(i for i, other in enumerate(demands) if other.measure == d.measure) for d in demands]
     failures: dict[str, Failure] = {}
     for nodes, inside in _reachable_blocks(manipulator, grid, progress):
-        values: dict[int, Array] = {}
+        values: list[Array] = []
         for k, demand in enumerate(demands):
-            if id(demand.measure) not in values:
-                values[id(demand.measure)] = measured(demand, manipulator, inside)
-            found = values[id(demand.measure)]
+            same = owners[k]
+            values.append(values[same] if same < k else measured(demand, manipulator, inside))
+            found = values[k]
             failed = np.isnan(found).any(axis=tuple(range(1, found.ndim)))
             met = np.where(demand.meets(found), State.MEETS, State.VIOLATES)
             states[k][nodes] = np.where(failed, State.FAILED, met)
