@@ -138,10 +138,10 @@ class PrismaticManipulator(Manipulator):
 
     def compliance(self, poses: Poses) -> Array:
         """C (n, 6, 6) at the tool, by the virtual joint method."""
-        return prismatic_elastic.compliance(self.geometry, self._springs, self.closed_legs(poses))
+        return prismatic_elastic.compliance(self.geometry, self.springs, self.closed_legs(poses))
 
     @cached_property
-    def _springs(self) -> prismatic_elastic.Springs:
+    def springs(self) -> prismatic_elastic.Springs:
         assert self.legs is not None
         assert self.actuators.stiffness is not None
         bars = [self.legs.bar_compliance(length) for length in self.leg_lengths]
