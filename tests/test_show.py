@@ -13,11 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orthospec.errors import UsageError
-from orthospec.quantities import Length, Quantity
 from orthospec.show import ProgressLine, explain, installed, show, show_installed
 from orthospec.show.numbers import Numbers
 from orthospec.show.page import Page
-from orthospec.show.plugins import keys_of
 from orthospec.spec import Spec, load_spec
 
 SPEC = """\
@@ -113,11 +111,11 @@ def test_a_whole_result_reads_as_an_engineer_writes(spec: Spec) -> None:
         "  Best compromise: every bound holds, not every goal is met (λ = 0.0105829).",
         "  length   310.583 mm    300 mm       1  missed by 10.5829 mm  minimise leg",
         "  leg  310.583 mm  within 250 ... 500 mm",
-        "  leg_lengths       310.583  310.583  330 mm",
-        "  joint_limits.max  3 x 400 mm",
-        "  footprint         0.147293 m^2",
-        "  joints 1, 2       126.795 ... 383.788 mm",
-        "  joint 3           130 ... 390 mm",
+        "  leg_lengths   310.583  310.583  330 mm",
+        "  joint_limits  max 3 x 400 mm",
+        "  footprint     0.147293 m^2",
+        "  joints 1, 2   126.795 ... 383.788 mm",
+        "  joint 3       130 ... 390 mm",
         "  prescribed cuboid  200 x 200 x 200 mm, every bound holds",
         "    from  (-126.795, -126.795, -126.800) mm",
         "    on the grid alone: scale 0.975 in 25 places",
@@ -250,9 +248,10 @@ def test_units_stand_once_where_they_are_shared() -> None:
     assert numbers.several([1, 1, 1]) == "1  1  1"
 
 
-@pytest.mark.parametrize(
-    "name", ["orthoglide", "velocity_transmission", "condition_number", "manipulability"]
-)
+BUILTIN = [one["name"] for one in installed() if one["distribution"] == "orthospec"]
+
+
+@pytest.mark.parametrize("name", BUILTIN)
 def test_every_builtin_is_explained_within_80_columns(name: str) -> None:
     text = explain(name, width=80, colour=False)
     assert text.startswith(f"{name}\n")
@@ -262,12 +261,30 @@ def test_every_builtin_is_explained_within_80_columns(name: str) -> None:
 
 def test_an_explanation_has_unit_sides_keys_and_indices() -> None:
     lines = [line.split() for line in explain("orthoglide", width=80, colour=False).splitlines()]
-    assert ["indices", "leg_length_total", "[m],", "stroke", "[m],", "footprint", "[m^2]"] in lines
+    assert lines[15][:7] == ["indices", "leg_length_total", "[m],", "stroke", "[m],", "footprint", "[m^2],"]
     assert any(line[:3] == ["leg_lengths", "m", "required"] for line in lines)
-    assert any(line[:3] == ["joint_limits.max", "m", "optional"] for line in lines)
-    measure = explain("condition_number", width=80, colour=False)
+    limits = lines[lines.index(["Keys", "of", "joint_limits"]) :]
+    assert ["max", "m", "optional"] in [line[:3] for line in limits]
+    measure = explain("deflection", width=80, colour=False)
     assert "bounds  at_most" in measure
-    assert "σ_max(J) / σ_min(J)" in measure
+    assert "needs   compliance of the machine" in measure
+    assert "wrench  N, N*m  optional" in measure
+
+
+def test_a_part_is_explained_once_for_all_places_that_it_stands_in() -> None:
+    text = explain("linear_delta", width=80, colour=False)
+    for line in (
+        "  base_radius      m      required  Radius of the circle on which the slides",
+        "  friction   N    0         Coulomb friction, which takes its part of the force.",
+        "Keys of legs.section.round, feet.section.round",
+        "Keys of legs.material, feet.material",
+        "Keys of platform, tool, payload",
+    ):
+        assert line in text.splitlines()
+    said = " ".join(text.split())
+    assert "Section of a foot; in place of its keys 'rigid'." in said
+    assert "in place of its keys 'steel', 'aluminium', 'titanium' or 'carbon'." in said
+    assert "hinges; 'PUU' or 'PRPaR'." in said
 
 
 def test_an_unknown_name_lists_what_is_installed() -> None:
@@ -283,21 +300,6 @@ def test_the_plugins_are_listed_with_their_distributions() -> None:
     )
     assert "velocity_transmission  orthospec 0." in text
     assert "    cannot be loaded" in text.splitlines()
-
-
-def test_keys_have_units_and_defaults() -> None:
-    from typing import Annotated
-
-    from pydantic import BaseModel
-
-    class Bar(BaseModel):
-        length: Length
-        inertia: Annotated[float, Quantity("kg*m^2")] = 0.5
-
-    assert [key[:3] for key in keys_of(Bar.model_json_schema())] == [
-        ("length", "m", "required"),
-        ("inertia", "kg*m^2", "0.5"),
-    ]
 
 
 class _Terminal(io.StringIO):
@@ -325,6 +327,21 @@ def test_progress_is_a_plain_line_now_and_then_elsewhere() -> None:
         for done in (1, 2, 3):
             progress("grid", done, 4)
     assert stream.getvalue() == "grid 50 %, 6 s\n"
+
+
+def test_limits_alike_are_told_together_and_those_without_a_price_in_one_sentence(spec: Spec) -> None:
+    joint = {"kind": "joint", "side": "at_most", "at": [[0.0, 0.0, 0.1]], "gain": 0.01, "cost": None}
+    free = {"kind": "joint", "name": "joint_limits.0.at_least", "side": "at_least", "gain": 0.0, "cost": 0.0}
+    limits = [{**joint, "name": f"joint_limits.{k}.at_most"} for k in (2, 0)]
+    text = _text(spec, limits=[*limits, free, {**free, "kind": "bound", "name": "transmission"}])
+    lines = text.splitlines()
+    start = lines.index("  reach: joint_limits.0, 2 at most")
+    assert lines[start + 1 :] == [
+        "    at (0.000, 0.000, 100.000) mm",
+        "    1 % looser: λ falls by 0.01; 1 % tighter: no design found",
+        "  reached too, without gain or cost: reach: joint_limits.0 at least; measure",
+        "  transmission: at least 0.5",
+    ]
 
 
 def test_a_result_of_the_specs_folder_of_another_time_is_readable(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """What a result's names mean: units, bounds and goals, from the spec that stands beside it.
 
-A result is readable without its spec or plugins too; then numbers have no units.
+A number is told in the unit that the spec gives it in, where it gives one. A result is readable without its
+spec or plugins too; then numbers have no units.
 """
 
 from __future__ import annotations
@@ -11,15 +12,28 @@ from typing import TYPE_CHECKING, Any
 
 from orthospec.errors import OrthospecError
 from orthospec.quantities.fields import is_quantity
-from orthospec.quantities.units import parse_unit
+from orthospec.quantities.units import UnitError, parse_unit
+from orthospec.show.keys import Path, keys_of
 from orthospec.show.numbers import UNKNOWN
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from orthospec.spec import Design, Goal, Spec, Variable
+    from orthospec.measures import Demand
+    from orthospec.spec import Goal, Spec, Variable
 
 _LENGTH_AXES = frozenset({"x", "y", "z"})
+
+
+@dataclass(frozen=True)
+class Field:
+    """A key of a machine or measure, as it was asked for."""
+
+    units: tuple[str, ...] = ()
+    """One for all of its numbers, or one for each."""
+    default: Any = None
+    word: str = ""
+    """What the spec has in place of the keys of a part: a material's name."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +43,18 @@ class Asked:
     use: str
     unit: str
     bounds: Mapping[str, float]
+    keys: Mapping[str, Any]
+    """Its own ones, resolved."""
+    fields: Mapping[Path, Field]
 
 
 @dataclass(frozen=True)
 class Aim:
-    """A goal in words, "minimise leg", and its unit."""
+    """A goal in words, "minimise leg", its unit, and whether its weight is its own magnitude."""
 
     words: str
     unit: str
+    relative: bool
 
 
 @dataclass(frozen=True)
@@ -47,8 +65,8 @@ class Labels:
     """Units of a pose's coordinates."""
     joints: tuple[str, ...] = ()
     size: tuple[float, ...] = ()
-    fields: Mapping[str, str] = field(default_factory=dict)
-    """Of the manipulator's fields."""
+    fields: Mapping[Path, Field] = field(default_factory=dict)
+    """Of the manipulator."""
     indices: Mapping[str, str] = field(default_factory=dict)
     variables: Mapping[str, str] = field(default_factory=dict)
     ranges: Mapping[str, Variable] = field(default_factory=dict)
@@ -64,78 +82,108 @@ def labels(spec: Spec | None, variables: Mapping[str, float]) -> Labels:
         design = spec.design(variables)
     except OrthospecError:
         return Labels()
-    uses = {plan.name: plan.blueprint.use for plan in spec.measures}
     known = Labels(
         axes=tuple("m" if axis in _LENGTH_AXES else "rad" for axis in design.manipulator.axes),
         joints=design.manipulator.joint_units,
         size=spec.workspace.size,
-        fields=field_units(type(design.manipulator)),
+        fields=fields_of(type(design.manipulator), spec.manipulator.keys),
         indices=design.manipulator.index_units,
         ranges=spec.variables,
-        measures={one.name: Asked(uses[one.name], one.measure.unit, one.bounds) for one in design.demands},
+        measures={one.name: _asked(spec, one) for one in design.demands},
     )
     units = {name: _unit_of_variable(spec, name, known.fields) for name in spec.variables}
-    aims = {goal.name: _aim(goal, design, {**known.indices, **units}) for goal in design.goals}
+    aims = {goal.name: _aim(spec, goal, known.measures, {**known.indices, **units}) for goal in design.goals}
     return Labels(**{**vars(known), "variables": units, "goals": aims})
 
 
-def field_units(model: type[BaseModel]) -> dict[str, str]:
-    """The unit of each field whose numbers all have the same one."""
-    schema = model.model_json_schema()
-    found = {}
-    for name, inner in schema.get("properties", {}).items():
-        units = set(units_in(inner, schema.get("$defs", {})))
-        if len(units) == 1:
-            found[name] = units.pop()
-    return found
+def fields_of(made_of: type[BaseModel], written: Any) -> dict[Path, Field]:
+    """The keys of a class at any depth, in the units that ``written`` gives them in."""
+    return {
+        key.path: Field(
+            units=_as_written(key.units, _at(written, key.path)),
+            default=key.default,
+            word=_word(_at(written, key.path)) if key.part is not None else "",
+        )
+        for key in keys_of(made_of).every()
+    }
 
 
-def units_in(schema: Any, definitions: Mapping[str, Any]) -> Iterator[str]:
-    """The units that stand somewhere in a part of a class's JSON schema."""
-    if isinstance(schema, dict):
-        if "$ref" in schema:
-            yield from units_in(definitions.get(schema["$ref"].rpartition("/")[2]), definitions)
-        elif "x-unit" in schema:
-            yield schema["x-unit"]
-        else:
-            schema = list(schema.values())
-    if isinstance(schema, list):
-        for inner in schema:
-            yield from units_in(inner, definitions)
+def _at(written: Any, path: Path) -> Any:
+    for name in path:
+        written = written.get(name) if isinstance(written, Mapping) else None
+    return written
 
 
-def _unit_of_variable(spec: Spec, name: str, fields: Mapping[str, str]) -> str:
+def _word(written: Any) -> str:
+    return written if isinstance(written, str) else ""
+
+
+def _as_written(units: tuple[str, ...], *written: Any) -> tuple[str, ...]:
+    """The first unit of the same kind that is written, for a field whose numbers have one unit."""
+    if len(units) != 1:
+        return units
+    for name in (name for one in written for name in _units_given(one)):
+        try:
+            if parse_unit(name).dimension == parse_unit(units[0]).dimension:
+                return (name,)
+        except UnitError:
+            continue
+    return units
+
+
+def _units_given(written: Any) -> Iterator[str]:
+    if isinstance(written, Mapping):
+        written = list(written.values())
+    for one in written if isinstance(written, list) else [written]:
+        if isinstance(one, list):
+            yield from _units_given(one)
+        elif isinstance(one, str) and is_quantity(one):
+            yield one.split()[-1]
+
+
+def _asked(spec: Spec, demand: Demand) -> Asked:
+    written = spec.document.data["measures"][demand.name]
+    bounds = [written.get(key) for key in ("at_least", "at_most", "levels")]
+    own = next(plan.blueprint for plan in spec.measures if plan.name == demand.name)
+    return Asked(
+        use=own.use,
+        unit=_as_written((demand.measure.unit,), *bounds)[0],
+        bounds=demand.bounds,
+        keys=demand.measure.model_dump(mode="json", by_alias=True, exclude_none=True),
+        fields=fields_of(type(demand.measure), own.keys),
+    )
+
+
+def _unit_of_variable(spec: Spec, name: str, fields: Mapping[Path, Field]) -> str:
     """The unit that its range is given in, else that of the manipulator's fields where it stands alone."""
-    given = spec.document.data["variables"][name]
-    for value in given.values():
-        if isinstance(value, str) and is_quantity(value):
-            return _si(value.split()[-1])
+    given = next(_units_given(spec.document.data["variables"][name]), None)
+    if given is not None:
+        return given
     stands_in = {
-        fields.get(key, UNKNOWN) for key, value in spec.manipulator.keys.items() if _has(value, name)
+        unit
+        for path, one in fields.items()
+        for unit in one.units
+        if _has(_at(spec.manipulator.keys, path), name)
     }
     return stands_in.pop() if len(stands_in) == 1 else UNKNOWN
 
 
-def _si(unit: str) -> str:
-    """The SI unit of the same kind, where it is one that engineers write."""
-    dimension = parse_unit(unit).dimension
-    usual = ("1", "m", "rad", "kg", "s", "N", "N*m", "N/m", "m/s", "m/s^2", "Pa", "m^2")
-    return next((one for one in usual if parse_unit(one).dimension == dimension), UNKNOWN)
-
-
 def _has(value: Any, name: str) -> bool:
     """Whether a bare name stands somewhere in a field's value."""
-    if isinstance(value, Mapping):
-        value = list(value.values())
     if isinstance(value, list):
         return any(_has(inner, name) for inner in value)
     return isinstance(value, str) and value.strip() == name
 
 
-def _aim(goal: Goal, design: Design, units: Mapping[str, str]) -> Aim:
+def _aim(spec: Spec, goal: Goal, measures: Mapping[str, Asked], units: Mapping[str, str]) -> Aim:
     text = goal.expression.text
     unit = "1" if text == "scale" else units.get(text, UNKNOWN)
     for kind, name in goal.expression.extremes:
         if text == f"{kind}({name})":
-            unit = next(one.measure.unit for one in design.demands if one.name == name)
-    return Aim(f"{goal.sense} {text}", unit)
+            unit = measures[name].unit
+    written = spec.document.data["goals"][goal.name]
+    if unit == UNKNOWN:
+        unit = next(_units_given(written["goal"]), UNKNOWN)
+    else:
+        (unit,) = _as_written((unit,), written["goal"])
+    return Aim(f"{goal.sense} {text}", unit, written.get("weight") == "relative")

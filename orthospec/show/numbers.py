@@ -1,13 +1,16 @@
 """Numbers as an engineer reads them: six significant digits, and one unit of length in a whole text.
 
-Lengths are in millimetres where the prescribed cuboid is smaller than a metre, else in metres; all else is in
-SI units.
+Where no other unit is asked for, lengths are in millimetres where the prescribed cuboid is smaller than a
+metre, else in metres; stiffness is in N/um, a modulus in GPa or MPa, and all else in SI units.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+
+from orthospec.quantities.units import UnitError, parse_unit
 
 UNKNOWN = "?"
 NOTHING = "-"
@@ -15,29 +18,36 @@ NOTHING = "-"
 
 @dataclass(frozen=True)
 class Numbers:
-    """How numbers are written in one text."""
+    """How numbers are written in one text; a unit may be any that specs know."""
 
     millimetres: bool
 
     def value(self, number: float | None, unit: str = "1") -> str:
-        """A number with its unit: ``310.583 mm``; no unit where it is 1 or not known."""
-        if number is None:
-            return NOTHING
-        number, shown = self._scaled(number, unit)
-        return f"{number:.6g}{_after(shown)}"
+        """An SI number with its unit: ``310.583 mm``; no unit where it is 1 or not known."""
+        return self.several([number], unit)
 
     def several(self, numbers: Sequence[float | None], unit: str = "1") -> str:
         """Numbers with one unit after them; equal ones as ``3 x 310.583 mm``."""
-        texts = [self.value(number, unit).split(" ")[0] for number in numbers]
-        shown = _after(self._scaled(0.0, unit)[1])
-        if shown and len(texts) > 1 and len(set(texts)) == 1:
-            return f"{len(texts)} x {texts[0]}{shown}"
-        return "  ".join(texts) + shown
+        if all(number is None for number in numbers):
+            return NOTHING
+        shown = self._shown(unit, numbers)
+        if shown and len(numbers) > 1 and len({_digits(number, shown) for number in numbers}) == 1:
+            return f"{len(numbers)} x {self.value(numbers[0], unit)}"
+        return self._listed(numbers, unit)
+
+    def each(self, numbers: Sequence[float | None], units: Sequence[str]) -> str:
+        """Numbers with units of their own, those of one unit together: ``0  0  -100 N  0  0  0 N*m``."""
+        groups = itertools.groupby(zip(numbers, units, strict=True), key=lambda pair: pair[1])
+        return "  ".join(self._listed([number for number, _ in group], unit) for unit, group in groups)
+
+    def _listed(self, numbers: Sequence[float | None], unit: str) -> str:
+        shown = self._shown(unit, numbers)
+        return "  ".join(_digits(number, shown) for number in numbers) + _after(shown)
 
     def interval(self, low: float | None, high: float | None, unit: str = "1") -> str:
         """``126.795 ... 383.788 mm``."""
-        first = self.value(low, unit).split(" ")[0]
-        return f"{first} ... {self.value(high, unit)}"
+        shown = self._shown(unit, [low, high])
+        return f"{_digits(low, shown)} ... {_digits(high, shown)}{_after(shown)}"
 
     def edges(self, low: Sequence[float | None], high: Sequence[float | None], units: Sequence[str]) -> str:
         """The size between two corners: ``200 x 200 x 200 mm``."""
@@ -53,9 +63,9 @@ class Numbers:
     def _coordinate(self, coordinate: float | None, unit: str) -> str:
         if coordinate is None:
             return NOTHING
-        number, shown = self._scaled(coordinate, unit)
+        shown = self._shown(unit, [coordinate])
         decimals = 3 if shown == "mm" else 5
-        return f"{round(number, decimals) + 0.0:.{decimals}f}{_after(shown)}"
+        return f"{round(_scaled(coordinate, shown), decimals) + 0.0:.{decimals}f}{_after(shown)}"
 
     def _with_units(self, texts: Sequence[str], between: str, brackets: str = "") -> str:
         """One unit behind all where they share it."""
@@ -64,10 +74,27 @@ class Numbers:
         inner = between.join(text.removesuffix(f" {unit}") if unit else text for text in texts)
         return f"{brackets[:1]}{inner}{brackets[1:]}{_after(unit)}"
 
-    def _scaled(self, number: float, unit: str) -> tuple[float, str]:
-        if unit == "m" and self.millimetres:
-            return number * 1000, "mm"
-        return number, "" if unit in ("1", UNKNOWN) else unit
+    def _shown(self, unit: str, numbers: Sequence[float | None]) -> str:
+        """The unit in which numbers of this one are told."""
+        if unit == "m":
+            return "mm" if self.millimetres else "m"
+        if unit == "Pa":
+            greatest = max((abs(number) for number in numbers if number is not None), default=0.0)
+            return "GPa" if greatest >= 1e9 else "MPa"
+        return {"1": "", UNKNOWN: "", "N/m": "N/um"}.get(unit, unit)
+
+
+def _scaled(number: float, shown: str) -> float:
+    """An SI number in this unit; as it is where a plugin gave a unit that is not in the table."""
+    try:
+        unit = parse_unit(shown or "1")
+    except UnitError:
+        return number
+    return number * float(unit.denominator / unit.numerator)
+
+
+def _digits(number: float | None, shown: str) -> str:
+    return NOTHING if number is None else f"{_scaled(number, shown):.6g}"
 
 
 def _after(unit: str) -> str:

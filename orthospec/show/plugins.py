@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import difflib
 import inspect
-import json
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from orthospec import registry
 from orthospec.errors import OrthospecError, UsageError
-from orthospec.show.labels import units_in
+from orthospec.show.keys import Key, Part, keys_of
 from orthospec.show.page import Page
 
 if TYPE_CHECKING:
@@ -18,16 +16,6 @@ if TYPE_CHECKING:
     from orthospec.measures import Measure
 
 KINDS = {registry.MANIPULATORS: "manipulator", registry.MEASURES: "measure"}
-NO_VALUE: tuple[Any, ...] = (None, {}, [])
-
-
-class Key(NamedTuple):
-    """One key that a plugin's part of the spec may have."""
-
-    name: str
-    unit: str
-    default: str
-    meaning: str
 
 
 def installed() -> list[dict[str, str]]:
@@ -76,28 +64,8 @@ def explain(name: str, *, width: int, colour: bool) -> str:
         page.sentence(f"{KINDS[group]} of {owner.distribution} {owner.version}", manner="dim")
         _documentation(page, made_of)
         _facts(page, made_of)
-        page.heading("Keys")
-        keys = list(keys_of(made_of.model_json_schema()))
-        page.rows([(key.name, key.unit, key.default, key.meaning) for key in keys] or [("none of its own",)])
+        _keys(page, keys_of(made_of))
     return str(page)
-
-
-def keys_of(
-    schema: Mapping[str, Any], prefix: str = "", top: Mapping[str, Any] | None = None
-) -> Iterator[Key]:
-    """The keys in a class's JSON schema, those of parts under dotted names."""
-    definitions = (top or schema).get("$defs", {})
-    for name, inner in schema.get("properties", {}).items():
-        part = definitions.get(inner.get("$ref", "").rpartition("/")[2], {})
-        if "properties" in part:
-            yield from keys_of(part, f"{prefix}{name}.", top or schema)
-            continue
-        units = sorted(set(units_in(inner, definitions)))
-        default = inner.get("default")
-        given = "required" if name in schema.get("required", ()) else "optional"
-        if default not in NO_VALUE:
-            given = json.dumps(default)
-        yield Key(prefix + name, ", ".join(units), given, " ".join(inner.get("description", "").split()))
 
 
 def _load(group: str, name: str) -> type[Manipulator] | type[Measure]:
@@ -121,7 +89,7 @@ def _facts(page: Page, made_of: type[Manipulator] | type[Measure]) -> None:
     rows: list[tuple[str, str]]
     if issubclass(made_of, Measure):
         rows = [("unit", made_of.unit), ("bounds", " and ".join(sorted(made_of.sides)))]
-        rows += [("needs", " and ".join(sorted(made_of.needs)))] if made_of.needs else []
+        rows += [("needs", f"{' and '.join(sorted(made_of.needs))} of the machine")] if made_of.needs else []
     else:
         indices = ", ".join(f"{name} [{unit}]" for name, unit in made_of.index_units.items())
         rows = [
@@ -131,6 +99,47 @@ def _facts(page: Page, made_of: type[Manipulator] | type[Measure]) -> None:
         ]
     page.gap()
     page.rows(rows)
+
+
+def _keys(page: Page, whole: Part) -> None:
+    """The keys in a table, then those of each part in one of its own; a part in several places once."""
+    page.heading("Keys")
+    page.rows([_row(key) for key in whole.keys] or [("none of its own",)])
+    parts: dict[str, list[Key]] = {}
+    for key in whole.every():
+        if key.part is not None:
+            parts.setdefault(key.part.text, []).append(key)
+    for keys in parts.values():
+        part = keys[0].part
+        assert part is not None
+        page.heading(f"Keys of {', '.join('.'.join(key.path) for key in keys)}")
+        page.sentence(part.meaning)
+        page.rows([_row(key) for key in part.keys])
+
+
+def _row(key: Key) -> tuple[str, str, str, str]:
+    """Name, unit, what stands where it is left out, meaning; the unit is not told twice."""
+    units = ", ".join(unit for unit in dict.fromkeys(key.units) if unit != "1")
+    given = "required" if key.required else _default(key.default)
+    meaning = key.meaning.replace(f" [{', '.join(dict.fromkeys(key.units))}]", "")
+    if key.words:
+        meaning = f"{meaning.rstrip('.')}; {_choice(key)}."
+    return key.path[-1], units, given, meaning
+
+
+def _choice(key: Key) -> str:
+    """What may be written in place of a part's keys, or which words there are."""
+    words = [f"'{word}'" for word in key.words]
+    listed = " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+    return f"in place of its keys {listed}" if key.part is not None else listed
+
+
+def _default(default: Any) -> str:
+    if default in (None, []) or isinstance(default, dict):
+        return "optional"
+    if isinstance(default, list):
+        return " ".join(map(_default, default))
+    return f"{default:g}" if isinstance(default, int | float) else str(default)
 
 
 def _unknown(name: str) -> str:

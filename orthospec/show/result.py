@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from orthospec.result import Result
 from orthospec.result.model import DesignRecord, Ends, LargestRecord, MeasureRecord, PrescribedRecord
-from orthospec.show import words
+from orthospec.show import machine, words
 from orthospec.show.labels import Labels, labels
 from orthospec.show.numbers import UNKNOWN, Numbers
 from orthospec.show.page import Page
@@ -73,7 +73,7 @@ class _Writer:
         for name, goal in attainment.goals.items():
             aim = self.known.goals.get(name)
             unit = aim.unit if aim else UNKNOWN
-            weight = "hard" if goal.weight == 0 else f"{goal.weight:.6g}"
+            weight = words.weight(goal.weight, aim)
             value, target = self.numbers.value(goal.value, unit), self.numbers.value(goal.goal, unit)
             gap = None if goal.value is None else abs(goal.value - goal.goal)
             missed = "missed" if gap is None else f"missed by {self.numbers.value(gap, unit)}"
@@ -93,18 +93,12 @@ class _Writer:
         self.page.rows(rows, right=frozenset({1}))
 
     def _machine(self) -> None:
-        machine = dict(self.result.manipulator)
-        self.page.heading(f"Machine: {machine.pop('use')}")
-        units = self.known.fields
-        fields = [
-            (name, words.field_value(self.numbers, value, units.get(name.split(".")[0], UNKNOWN)))
-            for name, value in words.flat(machine)
-        ]
-        indices = [
-            (name, self.numbers.value(value, self.known.indices.get(name, UNKNOWN)))
-            for name, value in self.result.indices.items()
-        ]
-        joints = list(self._joints(self.result.joints)) if self.result.joints else []
+        keys = dict(self.result.manipulator)
+        source = self.result.provenance.get("from")
+        self.page.heading(f"Machine: {keys.pop('use')}" + (f", from {source['path']}" if source else ""))
+        fields = machine.fields(keys, self.known.fields, self.numbers)
+        indices = machine.indices(self.result.indices, self.known.indices, self.numbers)
+        joints = self._joints(self.result.joints) if self.result.joints else ()
         self.page.rows([*fields, *indices, *joints])
 
     def _joints(self, joints: Ends) -> Iterator[tuple[str, str]]:
@@ -155,8 +149,7 @@ class _Writer:
         for name, record in self.result.workspace.measures.items():
             asked = self.known.measures.get(name)
             unit = asked.unit if asked else UNKNOWN
-            limits = words.bounds(self.numbers, asked.bounds, unit) if asked else ""
-            self.page.sentence(", ".join(filter(None, (f"{name}: {asked.use}" if asked else name, limits))))
+            self.page.sentence(words.asked(name, asked, self.numbers) if asked else name)
             self.page.rows(list(self._measure(record, unit)), indent=4)
             self.page.rows(list(self._poses(record, unit)), indent=4)
             if record.prescribed is not None:
@@ -183,13 +176,17 @@ class _Writer:
             return
         conflict = self.result.status == "infeasible"
         self.page.heading("What conflicts" if conflict else "What limits the design")
-        for limit in self.result.limits:
+        for limit in words.together(self.result.limits):
             self.page.sentence(words.limiting(limit, self.known, self.numbers))
-            for pose in limit.at[:MOST_POSES]:
-                self.page.sentence(f"at {self.numbers.pose(pose, self.known.axes)}", indent=4)
-            if len(limit.at) > MOST_POSES:
-                self.page.sentence(f"and at {len(limit.at) - MOST_POSES} more", indent=4)
+            poses = list(dict.fromkeys(self.numbers.pose(pose, self.known.axes) for pose in limit.at))
+            for pose in poses[:MOST_POSES]:
+                self.page.sentence(f"at {pose}", indent=4)
+            if len(poses) > MOST_POSES:
+                self.page.sentence(f"and at {len(poses) - MOST_POSES} more", indent=4)
             self.page.sentence(words.price(limit), indent=4)
+        free = [words.limiting(one, self.known, self.numbers) for one in words.free(self.result.limits)]
+        if free:
+            self.page.sentence(f"reached too, without gain or cost: {'; '.join(free)}")
 
     def _sweep(self) -> None:
         sweep = self.result.sweep

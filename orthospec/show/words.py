@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 from orthospec.result import Result
 from orthospec.result.model import DesignRecord, LimitRecord, SearchRecord
-from orthospec.show.labels import Labels
-from orthospec.show.numbers import NOTHING, UNKNOWN, Numbers, percent
+from orthospec.show import machine
+from orthospec.show.labels import Aim, Asked, Labels
+from orthospec.show.numbers import UNKNOWN, Numbers, percent
 
 SIDES = {"at_least": "at least", "at_most": "at most"}
 _NODES = {"meets": "meet", "violates": "violate", "unreachable": "out of reach"}
@@ -64,6 +64,56 @@ def bounds(numbers: Numbers, given: Mapping[str, float | None], unit: str) -> st
     )
 
 
+def asked(name: str, measure: Asked, numbers: Numbers) -> str:
+    """``cutting: deflection, force 100 N, at most 15 um``."""
+    own = machine.in_words(measure.keys, measure.fields, numbers)
+    return ", ".join(
+        filter(None, (f"{name}: {measure.use}", own, bounds(numbers, measure.bounds, measure.unit)))
+    )
+
+
+def weight(number: float, aim: Aim | None) -> str:
+    """How much a goal gives way: a number, or as the spec says it."""
+    if number == 0:
+        return "hard"
+    return "relative" if aim is not None and aim.relative else f"{number:.6g}"
+
+
+def together(limits: Sequence[LimitRecord]) -> list[LimitRecord]:
+    """Those with a price, or of which none is known; joint limits of one side and one price as one."""
+    alike: dict[tuple[str, ...], list[LimitRecord]] = {}
+    for one in limits:
+        if not _is_free(one):
+            alike.setdefault((one.kind, _numbered(one)[0], one.side or "", price(one)), []).append(one)
+    return [_as_one(several) for several in alike.values()]
+
+
+def _as_one(limits: Sequence[LimitRecord]) -> LimitRecord:
+    first = limits[0]
+    if len(limits) == 1:
+        return first
+    stem = _numbered(first)[0]
+    numbers = ", ".join(sorted((_numbered(one)[1] for one in limits), key=int))
+    return first.model_copy(
+        update={"name": f"{stem}.{numbers}", "at": [pose for one in limits for pose in one.at]}
+    )
+
+
+def free(limits: Sequence[LimitRecord]) -> list[LimitRecord]:
+    """Those that are reached and neither gain nor cost anything."""
+    return [one for one in limits if _is_free(one)]
+
+
+def _is_free(limit: LimitRecord) -> bool:
+    return all(price is not None and price < _NO_CHANGE for price in (limit.gain, limit.cost))
+
+
+def _numbered(limit: LimitRecord) -> tuple[str, str]:
+    """``joint_limits.0.at_most`` as ``joint_limits`` and ``0``; no number for what is not one of several."""
+    stem, _, number = limit.name.removesuffix(f".{limit.side}").rpartition(".")
+    return (stem, number) if limit.kind == "joint" and number.isdigit() else (limit.name, "")
+
+
 def limiting(limit: LimitRecord, known: Labels, numbers: Numbers) -> str:
     """What binds, with the value of its bound where that is known."""
     side = SIDES.get(limit.side or "", "")
@@ -84,36 +134,20 @@ def limiting(limit: LimitRecord, known: Labels, numbers: Numbers) -> str:
 
 
 def price(limit: LimitRecord) -> str:
-    """What one per cent is worth, in λ."""
-    said = []
-    if limit.gain is not None:
-        said.append(
-            "1 % looser: no gain" if limit.gain < _NO_CHANGE else f"1 % looser: λ falls by {limit.gain:.3g}"
-        )
-    if limit.cost is not None:
-        said.append(
-            "1 % tighter: no cost" if limit.cost < _NO_CHANGE else f"1 % tighter: λ rises by {limit.cost:.3g}"
-        )
-    return "; ".join(said)
+    """What one per cent is worth, in λ; nothing where neither side has a price."""
+    if limit.gain is None and limit.cost is None:
+        return ""
+    looser = _moved(limit.gain, "no gain", "λ falls by")
+    tighter = _moved(limit.cost, "no cost", "λ rises by")
+    return f"1 % looser: {looser}; 1 % tighter: {tighter}"
+
+
+def _moved(change: float | None, nothing: str, moves: str) -> str:
+    if change is None:
+        return "no design found"
+    return nothing if change < _NO_CHANGE else f"{moves} {change:.3g}"
 
 
 def nodes(counts: Mapping[str, int]) -> str:
     """``391114 meet, 620432 violate, 1236545 out of reach``."""
     return ", ".join(f"{count} {_NODES.get(state, state)}" for state, count in counts.items() if count)
-
-
-def flat(fields: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested fields under dotted names."""
-    for name, value in fields.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
-
-
-def field_value(numbers: Numbers, value: Any, unit: str) -> str:
-    """One field of the machine."""
-    several = value if isinstance(value, list) else [value]
-    if several and all(isinstance(one, int | float) and not isinstance(one, bool) for one in several):
-        return numbers.several(several, unit)
-    return ", ".join(map(str, several)) or NOTHING
