@@ -207,6 +207,8 @@ def test_a_sweep_is_a_table_and_failures_stand_at_the_end(spec: Spec) -> None:
         *["transmission", "highest"],
     ]
     assert lines[start + 3].split() == ["310", "mm", "yes", "1", "0.5", "2"]
+    assert lines[start + 6].split() == ["leg", "transmission", "at", "Q0", "transmission", "at", "far"]
+    assert lines[start + 8].split() == ["310", "mm", "0.9", "...", "1.1", "out", "of", "reach"]
     assert lines[-1] == "  transmission (spec.yaml:8:3): gave NaN"
 
 
@@ -224,11 +226,16 @@ def test_colour_changes_no_letter(spec: Spec) -> None:
     assert plain == _text(spec)
 
 
-def test_columns_that_do_not_fit_are_named() -> None:
+def test_columns_that_do_not_fit_follow_in_a_further_table() -> None:
     page = Page(width=40, colour=False)
-    page.table(["leg", "scale", "a very long name of a column"], [["1", "0.5", "2"]])
-    assert str(page).splitlines()[0] == "  leg  scale"
-    assert "more columns than fit here: a very" in str(page)
+    page.table(["leg", "scale", "a longer name of a column", "b"], [["1", "0.5", "2", "3"]])
+    assert [line.split() for line in str(page).splitlines()] == [
+        ["leg", "scale", "a", "longer", "name", "of", "a", "column"],
+        ["1", "0.5", "2"],
+        [],
+        ["leg", "b"],
+        ["1", "3"],
+    ]
 
 
 @given(st.floats(-1e6, 1e6))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from orthospec.show import show
+from orthospec.show.labels import Field
 from orthospec.show.machine import fields
 from orthospec.show.numbers import Numbers
 from orthospec.spec import load_spec

@@ -59,16 +59,21 @@ class Page:
             self._row("  ".join(cells[:-1]), last, indent)
 
     def table(self, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-        """Rows under a dim head, numbers at the right; columns that do not fit are only named."""
+        """Rows under a dim head, numbers at the right; columns that do not fit follow in further tables.
+
+        The first column stands in each.
+        """
         every = [list(head), *(list(row) for row in rows)]
-        fitting = len(head)
-        while fitting > 1 and self._needs(every, fitting) > self._width:
-            fitting -= 1
-        first = len(self._lines)
-        self.rows([row[:fitting] for row in every], right=frozenset(range(1, fitting)))
-        self._lines[first] = self.paint(self._lines[first], "dim")
-        if fitting < len(head):
-            self.sentence(f"more columns than fit here: {', '.join(head[fitting:])}", manner="dim")
+        while every[0]:
+            fitting = len(every[0])
+            while fitting > 2 and self._needs(every, fitting) > self._width:
+                fitting -= 1
+            first = len(self._lines)
+            self.rows([row[:fitting] for row in every], right=frozenset(range(1, fitting)))
+            self._lines[first] = self.paint(self._lines[first], "dim")
+            every = [row[:1] + row[fitting:] if row[fitting:] else [] for row in every]
+            if every[0]:
+                self.gap()
 
     def _needs(self, rows: Sequence[Sequence[str]], columns: int) -> int:
         return sum(2 + max(_length(row[k]) for row in rows) for k in range(columns))

@@ -168,8 +168,7 @@ class _Writer:
 
     def _poses(self, record: MeasureRecord, unit: str) -> Iterator[tuple[str, str]]:
         for name, values in record.poses.items():
-            ends = dict.fromkeys(self.numbers.value(value, unit) for value in values or [])
-            yield f"at {name}", " ... ".join(ends) or "out of reach"
+            yield f"at {name}", words.at_pose(self.numbers, values, unit)
 
     def _limits(self) -> None:
         if not self.result.limits:
@@ -194,9 +193,9 @@ class _Writer:
             return
         names = [n for n in sweep[0].variables if len({one.variables.get(n) for one in sweep}) > 1]
         self.page.heading(f"Sweep along {', '.join(names)}")
-        measures = list(sweep[0].workspace.measures)
         head = [*names, "holds", *(["scale"] if sweep[0].workspace.joint else [])]
-        head += [f"{name} {end}" for name in measures for end in ("lowest", "highest")]
+        for name, record in sweep[0].workspace.measures.items():
+            head += [f"{name} lowest", f"{name} highest", *(f"{name} at {pose}" for pose in record.poses)]
         self.page.table(head, [self._swept(one, names) for one in sweep])
 
     def _swept(self, one: DesignRecord, names: list[str]) -> list[str]:
@@ -207,9 +206,9 @@ class _Writer:
             row.append(f"{workspace.joint.scale:.6g}")
         for name, record in workspace.measures.items():
             unit = self.known.measures[name].unit if name in self.known.measures else UNKNOWN
-            row += [
-                numbers.value(end.value if end else None, unit) for end in (record.lowest, record.highest)
-            ]
+            ends = [end.value if end else None for end in (record.lowest, record.highest)]
+            row += [numbers.value(end, unit) for end in ends]
+            row += [words.at_pose(numbers, values, unit) for values in record.poses.values()]
         return row
 
     def _errors(self) -> None:

@@ -64,6 +64,11 @@ def bounds(numbers: Numbers, given: Mapping[str, float | None], unit: str) -> st
     )
 
 
+def at_pose(numbers: Numbers, values: Sequence[float | None] | None, unit: str) -> str:
+    """A measure's value at a named pose, or its least and greatest over directions."""
+    return " ... ".join(dict.fromkeys(numbers.value(value, unit) for value in values or [])) or "out of reach"
+
+
 def asked(name: str, measure: Asked, numbers: Numbers) -> str:
     """``cutting: deflection, force 100 N, at most 15 um``."""
     own = machine.in_words(measure.keys, measure.fields, numbers)
