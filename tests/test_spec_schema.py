@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
 
+from orthospec.quantities.units import parse_unit
 from orthospec.spec import schema
 from orthospec.spec.strict_yaml import parse
 
@@ -22,6 +26,11 @@ manipulator:
   leg_lengths: [base, "max(base, 1)", 1500 mm]
   joint_limits: {min: 0.1, max: [1, 2, 4 * base]}
   branch: [1, 1, -1]
+  legs: {kind: PRPaR, section: {round: {diameter: 20 mm, wall: base / 500}}, material: steel, spacing: 80 mm}
+  feet: {length: 60 mm, section: rigid, material: {E: 70 GPa, nu: 0.33}, mass: 0}
+  actuators: {force: 500 N, stiffness: 20 N/um}
+  platform: {mass: 2}
+  gravity: [0, 0, -9.81 m/s^2]
 workspace: {size: [1, 1, 0.8], region: {min: [-1, -1, -1], max: [1, 1, 1 m]}, together: false}
 measures:
   transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2, levels: {at_most: [1.5, 1.8]}}
@@ -60,6 +69,12 @@ def test_the_shipped_specs_are_accepted(validator: Any, path: Path) -> None:
     [
         ("title:", "titel:", []),
         ("joint_limits: {min", "joint_limits: {minimum", ["manipulator", "joint_limits"]),
+        ("kind: PRPaR", "kind: RRR", ["manipulator", "legs"]),
+        ("{round: {diameter: 20 mm", "{circle: {diameter: 20 mm", ["manipulator", "legs"]),
+        ("material: steel", "material: cheese", ["manipulator", "legs"]),
+        ("section: rigid", "section: stiff", ["manipulator", "feet"]),
+        ("force: 500 N", "thrust: 500 N", ["manipulator", "actuators"]),
+        ("platform: {mass: 2}", "platform: 2", ["manipulator", "platform"]),
         ("use: orthoglide", "use: hexaglide", ["manipulator", "use"]),
         ("  leg_lengths", "  leg_length", ["manipulator"]),
         (", 1500 mm]", "]", ["manipulator", "leg_lengths"]),
@@ -83,10 +98,45 @@ def test_every_key_is_described_and_plugins_tell_their_units(validator: Any) -> 
     for name in ("WorkspaceKeys", "GoalKeys", "VariableKeys", "SweepKeys", "OptimiseKeys"):
         for key, about in definitions[name]["properties"].items():
             assert about.get("description"), f"{name}.{key}"
-    orthoglide = next(
-        branch["then"]
-        for branch in definitions["ManipulatorKeys"]["allOf"]
-        if branch["if"]["properties"]["use"]["const"] == "orthoglide"
-    )
+    orthoglide = _named(definitions["ManipulatorKeys"], "orthoglide")
     assert orthoglide["properties"]["leg_lengths"]["prefixItems"][0]["x-unit"] == "m"
     assert "manipulators.orthoglide.JointLimits" in definitions
+
+
+@pytest.mark.parametrize("section", ["ManipulatorKeys", "MeasureKeys"])
+def test_plugins_keys_are_described_at_any_depth_and_their_numbers_have_units(
+    validator: Any, section: str
+) -> None:
+    definitions = validator.schema["$defs"]
+    for branch in definitions[section]["allOf"]:
+        own = dict(_keys(branch["then"], definitions))
+        assert own or section == "MeasureKeys"
+        assert [key for key, about in own.items() if not about.get("description")] == []
+        numbers = [key for key, about in own.items() if "'number'" in str(about)]
+        assert [key for key in numbers if "x-unit" not in str(own[key])] == []
+
+
+def test_quantities_are_shown_by_examples_that_can_be_written(validator: Any) -> None:
+    texts = set(re.findall(r"a quantity like '(.*?)'", json.dumps(validator.schema)))
+    assert {"10 mm", "1 N/m", "50 %"} <= texts
+    for text in texts:
+        number, unit = text.split()
+        assert unit != "1"
+        assert parse_unit(unit).to_si(number) > 0
+
+
+def _named(section: Any, name: str) -> Any:
+    """What the schema asks of a section with this `use`."""
+    return next(one["then"] for one in section["allOf"] if one["if"]["properties"]["use"]["const"] == name)
+
+
+def _keys(schema: Any, definitions: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Each key of a plugin's own with its schema, those of parts under dotted names."""
+    if "$ref" in schema:
+        yield from _keys(definitions[schema["$ref"].removeprefix("#/$defs/")], definitions, path)
+    for key, about in schema.get("properties", {}).items():
+        if isinstance(about, dict) and key not in ("at_least", "at_most"):
+            yield path + key, about
+            yield from _keys(about, definitions, f"{path}{key}.")
+    for inner in schema.get("anyOf", []):
+        yield from _keys(inner, definitions, path)

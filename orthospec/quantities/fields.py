@@ -135,10 +135,10 @@ _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 def json_schema(unit: str | None, number: JsonSchemaValue | None = None) -> JsonSchemaValue:
     """The JSON schema of a number, quantity or expression."""
     bounded = {_BOUNDS.get(key, key): value for key, value in (number or {"type": "number"}).items()}
-    name = "SI" if unit is None else unit
+    example = {None: "10 mm", "1": "50 %"}.get(unit, f"1 {unit}")
     text = {
         "type": "string",
-        "description": f"a quantity like '1 {name}', or an expression over the variables",
+        "description": f"a quantity like '{example}', or an expression over the variables",
     }
     return {"anyOf": [bounded, text]} | ({} if unit is None else {"x-unit": unit})
 
