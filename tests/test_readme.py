@@ -16,14 +16,17 @@ import pytest
 import typer
 import yaml
 
+from orthospec import registry
 from orthospec.cli import app
 from orthospec.measures import Demand
 from orthospec.measures.kinematic import ConditionNumber
+from orthospec.mechanics.materials import TABLE
 from orthospec.optimise import Outcome, solve
 from orthospec.optimise.attain import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.result import compose
-from orthospec.show import show
+from orthospec.show import installed, show
+from orthospec.show.keys import keys_of
 from orthospec.spec import load_spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting, evaluate
@@ -51,9 +54,9 @@ def blocks(page: Path, language: str) -> Iterator[tuple[str, str]]:
         yield found[1] or "", found[2]
 
 
-def table(name: str) -> list[list[str]]:
-    """The cells of the rows that follow <!-- table: NAME --> in the README."""
-    rows = README.split(f"<!-- table: {name} -->\n")[1].split("\n\n")[0].splitlines()[2:]
+def table(name: str, page: str = README) -> list[list[str]]:
+    """The cells of the rows that follow <!-- table: NAME --> in a page."""
+    rows = page.split(f"<!-- table: {name} -->\n")[1].split("\n\n")[0].splitlines()[2:]
     return [[cell.strip() for cell in re.split(r"(?<!\\)\|", row)[1:-1]] for row in rows]
 
 
@@ -247,3 +250,39 @@ def test_the_manual_s_planar_machine_has_its_largest_square(tmp_path: Path) -> N
     assert found.joint.cuboid is not None
     assert found.joint.scale * 0.1 == pytest.approx(0.4 * 2 / np.sqrt(10), rel=1e-7)
     assert found.joint.cuboid.low[1] == pytest.approx(0.4 / np.sqrt(10), rel=1e-7)
+
+
+def test_the_manual_s_planar_machine_gives_as_a_truss_does(tmp_path: Path) -> None:
+    """Under forces at the tool each leg is a bar: K = Σ u uᵀ / (c_a (u·e)² + c_l) in the plane."""
+    sources = dict(blocks(ROOT / "docs" / "plugins.md", "python"))
+    compliance = imported("biglide_compliance", sources["module: biglide_compliance"], tmp_path)
+    poses, sliders = np.array([[0.0, 0.24], [0.05, 0.3]]), np.array([[-0.32, 0.32], [0.0, 0.0]])
+    sliders[1] = poses[1, 0] + np.sqrt(0.4**2 - 0.3**2) * np.array([-1.0, 1.0])
+    found = compliance.biglide_compliance(poses, sliders, 0.4, 20e6)
+    along_leg = 0.4 / (210e9 * np.pi * 0.01**2)
+    for pose, ends, C in zip(poses, sliders, found, strict=True):
+        legs = np.stack([pose[0] - ends, np.full(2, pose[1])], axis=1) / 0.4
+        stiffness = sum(np.outer(u, u) / (u[0] ** 2 / 20e6 + along_leg) for u in legs)
+        assert C[:2, :2] == pytest.approx(np.linalg.inv(stiffness), rel=1e-9, abs=1e-18)
+
+
+def test_the_table_of_materials_is_the_one_in_use() -> None:
+    page = (ROOT / "docs" / "spec.md").read_text(encoding="utf-8")
+    rows = {row[0].strip("`"): row[1:-1] for row in table("materials", page)}
+    assert rows.keys() == TABLE.keys()
+    for name, told in rows.items():
+        known = TABLE[name]
+        values = (known.E / 1e9, known.G / 1e9, known.density, (known.yield_strength or 0) / 1e6)
+        for text, value in zip(told, values, strict=True):
+            assert value == pytest.approx(float(text or 0), abs=0.5 * 10.0 ** -decimals(text)), name
+
+
+def test_the_manual_names_every_measure_and_each_key_of_the_machines() -> None:
+    page = (ROOT / "docs" / "spec.md").read_text(encoding="utf-8")
+    words = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`\n]+)`", page))))
+    ours = [one for one in installed() if one["distribution"] == "orthospec"]
+    assert {one["name"] for one in ours} <= words
+    for name in ("orthoglide", "linear_delta"):
+        machine = registry.find_manipulator(name)
+        assert {key for one in keys_of(machine).every() for key in one.path} <= words
+        assert set(machine.index_units) <= words
