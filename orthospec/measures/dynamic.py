@@ -80,7 +80,7 @@ class DynamicIsotropy(Measure):
 class Acceleration(Measure):
     """Acceleration that the actuators can give the tool from rest in every direction.
 
-      box          min_i t_i / ‖r_i‖             forces of |τ_i| <= t_i, each actuator by itself
+      box          min_i t_i / ‖r_i‖               forces of |τ_i| <= t_i
       ellipsoid    σ_min(J D⁻¹ diag(t_1...t_m))    forces of Σ (τ_i / t_i)² <= 1
 
     with r_i = row i of D J⁻¹ and t_i = τ_i^max − f_i − |g_i| what friction and gravity leave of the force.
