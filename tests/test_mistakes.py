@@ -221,7 +221,8 @@ CHANGES = {
             "8:16: 'PUU' or 'PRPaR' was expected, 'PU' given",
             "8:37: a wall of 0.01 m does not fit: more than 0 and less than 0.01 m, half of the smallest "
             "side, was expected (no wall: solid)",
-            "8:80: unknown material 'steal'; known here: steel, aluminium, titanium, carbon",
+            "8:80: unknown material 'steal'; did you mean 'steel'? known here: steel, aluminium, titanium, "
+            "carbon",
         ],
     ),
     "the scale of a joint cuboid that is not there": (

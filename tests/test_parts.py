@@ -58,18 +58,14 @@ stuffs = st.one_of(
     st.fixed_dictionaries({}, optional={"E": positive, "nu": st.floats(-0.9, 0.5), "yield": positive}),
     st.fixed_dictionaries({"G": positive, "density": positive}),
 )
+offsets = st.floats(-1, 1)
 bar_keys = {"section": shapes, "material": stuffs, "mass": st.floats(0, 10)}
 machines = st.fixed_dictionaries(
     {},
     optional={
-        "legs": st.fixed_dictionaries(
-            {},
-            optional={
-                **bar_keys,
-                "kind": st.sampled_from(["PUU", "PRPaR"]),
-                "spacing": positive,
-                "offset": st.floats(-1, 1),
-            },
+        "legs": st.fixed_dictionaries({}, optional={**bar_keys, "kind": st.just("PUU"), "offset": offsets})
+        | st.fixed_dictionaries(
+            {"kind": st.just("PRPaR")}, optional={**bar_keys, "spacing": positive, "offset": offsets}
         ),
         "feet": st.just("rigid") | st.fixed_dictionaries({"length": positive}, optional=bar_keys),
         "actuators": st.fixed_dictionaries(
@@ -255,7 +251,12 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("material", "path", "message"),
         [
-            ("stel", (), "unknown material 'stel'; known here: steel, aluminium, titanium, carbon"),
+            (
+                "stel",
+                (),
+                "unknown material 'stel'; did you mean 'steel'? "
+                "known here: steel, aluminium, titanium, carbon",
+            ),
             (
                 {"E": 1, "G": 1, "nu": 0},
                 (),
@@ -268,6 +269,10 @@ class TestMistakes:
     )
     def test_in_a_material_is_told_at_its_key(self, material, path, message):
         assert mistakes(legs={"material": material}) == {("legs", "material", *path): message}
+
+    def test_of_a_spacing_with_one_bar_is_told(self):
+        message = "'spacing' is of a PRPaR leg's two bars, and this leg is PUU: give kind: PRPaR"
+        assert mistakes(legs={"spacing": 0.1}) == {("legs",): message}
 
     def test_of_several_parts_are_told_at_once(self):
         assert mistakes(

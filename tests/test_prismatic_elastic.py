@@ -16,7 +16,8 @@ A, IY, IZ, J = 2.0e-4, 6.0e-9, 3.0e-9, 5.0e-9
 STIFFNESS = 2e7
 MATERIAL = {"E": E, "G": G}
 SECTION = {"given": {"A": A, "Iy": IY, "Iz": IZ, "J": J}}
-LEGS = {"section": SECTION, "material": MATERIAL, "spacing": D_BARS}
+LEGS = {"section": SECTION, "material": MATERIAL}
+SPACING = {"PUU": {}, "PRPaR": {"spacing": D_BARS}}
 E_FOOT, G_FOOT = 200e9, 80e9
 FOOT = {
     "length": 0.12,
@@ -31,7 +32,7 @@ def orthoglide(kind="PUU", *, offset=0.0, feet=None, legs=LEGS, lengths=(L, L, L
         {
             "leg_lengths": lengths,
             "branch": branch,
-            "legs": {**legs, "kind": kind, "offset": offset},
+            "legs": {**legs, **SPACING[kind], "kind": kind, "offset": offset},
             "feet": feet or "rigid",
             "actuators": {"stiffness": STIFFNESS},
         }
@@ -45,7 +46,7 @@ def delta(kind="PUU", *, tilt=0.0, lengths=(0.5, 0.5, 0.5), feet=None):
             "base_radius": 0.3,
             "platform_radius": 0.05,
             "rail_tilt": tilt,
-            "legs": {**LEGS, "kind": kind},
+            "legs": {**LEGS, **SPACING[kind], "kind": kind},
             "feet": feet or "rigid",
             "actuators": {"stiffness": STIFFNESS},
         }
@@ -196,7 +197,7 @@ def test_a_third_of_a_turn_maps_a_linear_delta_onto_itself(kind):
 
 def test_rigid_legs_leave_the_drives_and_transmit_moments_rigidly():
     """C = J c_a Jᵀ, by virtual work, and no rotation."""
-    legs = {"section": "rigid", "spacing": D_BARS}
+    legs = {"section": "rigid"}
     poses = random_poses(10, 5)
     for kind in KINDS:
         machine = orthoglide(kind, legs=legs)

@@ -56,12 +56,12 @@ def hessian(
     used = weights != 0
     with np.errstate(invalid="ignore"):
         f = smooth(points)[:, used] @ weights[used]
-    f0, plus, minus = f[0], f[1 : n + 1], f[n + 1 : 2 * n + 1]
-    second = np.diag((plus - 2 * f0 + minus) / h**2)
-    for k, (i, j) in enumerate(pairs):
-        both = f[2 * n + 1 + k] + f[2 * n + 1 + len(pairs) + k]
-        value = (both - plus[i] - minus[i] - plus[j] - minus[j] + 2 * f0) / (2 * h[i] * h[j])
-        second[i, j] = second[j, i] = value
+        f0, plus, minus = f[0], f[1 : n + 1], f[n + 1 : 2 * n + 1]
+        second = np.diag((plus - 2 * f0 + minus) / h**2)
+        for k, (i, j) in enumerate(pairs):
+            both = f[2 * n + 1 + k] + f[2 * n + 1 + len(pairs) + k]
+            value = (both - plus[i] - minus[i] - plus[j] - minus[j] + 2 * f0) / (2 * h[i] * h[j])
+            second[i, j] = second[j, i] = value
     return np.nan_to_num(second, nan=0.0, posinf=0.0, neginf=0.0)
 
 

@@ -317,13 +317,17 @@ def _shrink(state: _State, length: float) -> Ending | None:
 
 
 def _adapt_penalty(state: _State, step: Step, violation: float) -> None:
-    """A little above the pressure on the slack: too small is silently infeasible, too large stalls."""
+    """Raise it while slack is paid for, lower it towards the pressure: too large stalls.
+
+    Without slack it is large enough, however much pressure there is: where bounds leave no room against each
+    other, their multipliers have no limit and take what the penalty allows.
+    """
     if not state.weight:
         return
     if step.slack > FEASIBLE and step.slack > 0.5 * violation:
         state.penalty = min(10 * state.penalty, PENALTY[1])
     elif step.slack <= FEASIBLE:
-        state.penalty = max(min(state.penalty, 10 * step.pressure), 2 * step.pressure, PENALTY[0])
+        state.penalty = max(min(state.penalty, 10 * step.pressure), PENALTY[0])
 
 
 def _settle(problem: Problem, state: _State) -> Ending | None:

@@ -10,9 +10,9 @@ Any key may be left out: `missing` names those to give before a quantity can be 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, Field
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
 from orthospec.arrays import np
 from orthospec.manipulators.stock import PART, Material, Needed, PositiveLength, Section
@@ -42,6 +42,14 @@ class Legs(BaseModel):
     """Distance of the tool point from the legs' ends on the platform, along the slides [m]."""
     mass: SomeMass | None = None
     """Mass of one bar [kg], in place of density times area times length."""
+
+    @model_validator(mode="after")
+    def _has_spacing_of_two_bars(self) -> Self:
+        if self.spacing is not None and self.kind == "PUU":
+            raise ValueError(
+                "'spacing' is of a PRPaR leg's two bars, and this leg is PUU: give kind: PRPaR"
+            )
+        return self
 
     def bar_compliance(self, length: float) -> Array | None:
         """C (6, 6) of one bar in its own frame; zeros where it is rigid, None where it is not known."""

@@ -142,6 +142,7 @@ class PrismaticManipulator(Manipulator):
 
     @cached_property
     def springs(self) -> prismatic_elastic.Springs:
+        """The elasticity of the chains; `missing` says what it lacks."""
         assert self.legs is not None
         assert self.actuators.stiffness is not None
         bars = [self.legs.bar_compliance(length) for length in self.leg_lengths]

@@ -8,6 +8,7 @@ A material may be given in part: what is not there is asked for where a measure 
 
 from __future__ import annotations
 
+import difflib
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import (
@@ -186,7 +187,9 @@ class Material(BaseModel):
         if not isinstance(given, str):
             return given
         if given not in materials.TABLE:
-            raise ValueError(f"unknown material '{given}'; known here: {', '.join(materials.TABLE)}")
+            close = difflib.get_close_matches(given.lower(), materials.TABLE, n=1)
+            meant = f"did you mean '{close[0]}'? " if close else ""
+            raise ValueError(f"unknown material '{given}'; {meant}known here: {', '.join(materials.TABLE)}")
         known = materials.TABLE[given]
         return {"E": known.E, "G": known.G, "density": known.density, "yield": known.yield_strength}
 
