@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -174,6 +175,15 @@ def side_by_side(random, chains, transmitted):
     return reduced.reshape(*shape, transmitted), wrenches.reshape(*shape, 6), stiffness
 
 
+def exact_compliance(reduced, wrenches):
+    """(Σ Wᵀ D⁻¹ W)⁻¹ of one pose in mpmath."""
+    stiffness = mpmath.zeros(6)
+    for d, w in zip(reduced, wrenches, strict=True):
+        rows = mpmath.matrix(w.tolist())
+        stiffness += rows.T * mpmath.inverse(mpmath.matrix(d.tolist())) * rows
+    return np.array(mpmath.inverse(stiffness).tolist(), dtype=float)
+
+
 class TestPlatforms:
     @settings(max_examples=100, deadline=None)
     @given(st.sampled_from([(3, 2), (3, 3), (6, 1), (2, 3), (2, 5), (1, 6), (4, 4)]), seeds)
@@ -196,6 +206,40 @@ class TestPlatforms:
         ]
         assert np.abs(stiff[1] - rigid).max() <= 0.6 * np.abs(stiff[0] - rigid).max()
         assert close(2 * stiff[1] - stiff[0], rigid, 1e-6)
+
+    @pytest.mark.parametrize(("ratio", "tolerance"), [(1e-6, 1e-10), (1e-10, 1e-8), (1e-12, 1e-7)])
+    def test_of_nearly_rigid_chains_equal_fifty_digits(self, ratio, tolerance):
+        wrenches = np.random.default_rng(12).standard_normal((POSES, 3, 3, 6))
+        reduced = np.tile(np.diag([1.0, ratio, 2 * ratio]), (POSES, 3, 1, 1))
+        with mpmath.workdps(50):
+            expected = [exact_compliance(*chains) for chains in zip(reduced, wrenches, strict=True)]
+        found = virtual_joints._by_forces(reduced, wrenches)
+        assert close(found, np.array(expected), tolerance)
+        assert (np.linalg.eigvalsh(found)[:, 0] >= -1e-15 * np.abs(found).max(axis=(1, 2))).all()
+
+    def test_of_chains_rigid_against_moments_turn_by_exactly_nothing(self):
+        random = np.random.default_rng(13)
+        forces = np.concatenate(
+            [random.standard_normal((POSES, 3, 1, 3)), np.zeros((POSES, 3, 1, 3))], axis=3
+        )
+        moments = np.concatenate(
+            [np.zeros((POSES, 3, 2, 3)), random.standard_normal((POSES, 3, 2, 3))], axis=3
+        )
+        wrenches = np.concatenate([forces, moments], axis=2)
+        wrenches = transported_wrenches(wrenches, random.standard_normal((POSES, 3, 1, 3)))
+        reduced = np.tile(np.diag([1e-8, 0.0, 0.0]), (POSES, 3, 1, 1))
+        found = parallel_compliance(reduced, wrenches)
+        assert not found[:, 3:].any()
+        assert not found[:, :, 3:].any()
+        assert (np.linalg.eigvalsh(found[:, :3, :3])[:, 0] > 1e-10).all()
+
+    def test_do_not_feel_the_rows_that_fill_up_a_chain(self):
+        reduced, wrenches, _ = side_by_side(np.random.default_rng(14), 4, 2)
+        reduced[:, 0] = 0.0
+        filled, rows = np.zeros((POSES, 4, 3, 3)), np.zeros((POSES, 4, 3, 6))
+        filled[:, :, :2, :2], filled[:, :, 2, 2], rows[:, :, :2] = 1e-16 * reduced, 1.0, wrenches
+        found = 1e16 * parallel_compliance(filled, rows)
+        assert close(found, parallel_compliance(reduced, wrenches))
 
     def test_of_rigid_chains_alone_are_rigid(self):
         wrenches = np.random.default_rng(4).standard_normal((POSES, 3, 3, 6))

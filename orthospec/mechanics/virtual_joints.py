@@ -32,6 +32,12 @@ LOOSE = 1e-12
 DEPENDENT = 1e-10
 """Least singular value of passive twists, beside the greatest, that counts as another joint."""
 
+RIGID = 1e-14
+"""Compliances up to here, beside the chain's greatest, are none."""
+
+STILL = 1e-12
+"""Deformations up to here, beside the greatest that a load of the same size could cause, are rounding."""
+
 NEGLIGIBLE = 1e-6
 """Arms up to here are rounding, and no unit of length [m]."""
 
@@ -127,36 +133,46 @@ def _by_forces(reduced: Array, wrenches: Array) -> Matrices:
     """C by the principle of least work, which asks for no inverse of a chain's compliance.
 
     The chains' forces λ balance the load F, B λ = F, B = [W₁ᵀ W₂ᵀ ...]. Of all λ = B⁺F + N z, N the null
-    space of B, those at work minimise λᵀ D λ, so that C = B⁺ᵀ (D − D N (Nᵀ D N)⁺ Nᵀ D) B⁺. Lengths count in
-    units of the forces' mean arm, and each wrench in units of its norm.
+    space of B, those at work minimise λᵀ D λ = |Rᵀλ|², D = R Rᵀ. With E F what is left of Rᵀ B⁺F once its
+    part along Rᵀ N is taken out, C = Eᵀ E: semidefinite, however rigid a chain. Lengths count in units of the
+    forces' mean arm, and each wrench in units of its norm.
     """
     n, chains, m, _ = wrenches.shape
     count = chains * m
     if count < 6:
         return np.full((n, 6, 6), np.inf)
     rows, units = _normalised(wrenches.reshape(n, count, 6))
-    norms = np.linalg.norm(rows, axis=2, keepdims=True)
-    norms[norms == 0] = 1.0
-    left, sizes, right = np.linalg.svd(np.swapaxes(rows / norms, 1, 2))
+    norms = np.linalg.norm(rows, axis=2)
+    norms[norms == 0] = np.inf  # Nothing acts there, whatever the compliance.
+    left, sizes, right = np.linalg.svd(np.swapaxes(rows / norms[:, :, None], 1, 2))
     held = sizes[:, 5] > LOOSE * sizes[:, 0]
-    compliance = np.full((n, 6, 6), np.inf)
-    work = _blocks(reduced)[held] / (norms * np.swapaxes(norms, 1, 2))[held]
     spread = (left[held] / sizes[held, None, :]) @ right[held, :6]
-    scaled = spread @ _least_work(work, right[held, 6:]) @ np.swapaxes(spread, 1, 2)
-    compliance[held] = (
-        0.5 * (scaled + np.swapaxes(scaled, 1, 2)) * (units[:, :, None] * units[:, None, :])[held]
-    )
+    norms = norms[held].reshape(-1, chains, m)
+    root = _blocks(_root(reduced[held] / (norms[..., :, None] * norms[..., None, :])))
+    moved = _least_work(root, spread, right[held, 6:]) * units[held, None, :]
+    compliance = np.full((n, 6, 6), np.inf)
+    compliance[held] = np.einsum("nki,nkj->nij", moved, moved)
     return compliance
 
 
-def _least_work(work: Matrices, free: Array) -> Matrices:
-    """D − D N (Nᵀ D N)⁺ Nᵀ D; the rows of ``free`` are N."""
-    along = free @ work
-    values, vectors = np.linalg.eigh(along @ np.swapaxes(free, 1, 2))
-    least = 4 * np.finfo(float).eps * work.shape[1] * np.max(np.abs(work), axis=(1, 2))[:, None]
-    inverse = np.where(values > least, 1 / np.where(values > least, values, 1.0), 0.0)
-    principal = np.swapaxes(vectors, 1, 2) @ along
-    return np.asarray(work - np.swapaxes(principal, 1, 2) @ (inverse[:, :, None] * principal))
+def _least_work(root: Matrices, spread: Array, free: Array) -> Array:
+    """E (n, k, 6); the rows of ``root``, ``spread`` and ``free`` are those of Rᵀ, B⁺ᵀ and Nᵀ."""
+    size = np.linalg.norm(root, axis=(1, 2))[:, None]
+    along, sizes, _ = np.linalg.svd(root @ np.swapaxes(free, 1, 2), full_matrices=False)
+    along = along * (sizes > STILL * size)[:, None, :]
+    left = root @ np.swapaxes(spread, 1, 2)
+    for _ in range(2):  # Once leaves rounding of the part that is taken out.
+        left -= along @ (np.swapaxes(along, 1, 2) @ left)
+    most = size * np.linalg.norm(spread, axis=(1, 2))[:, None]
+    moves = np.linalg.norm(left, axis=1) > STILL * most
+    return np.asarray(left * moves[:, None, :])
+
+
+def _root(compliance: Array) -> Array:
+    """Rᵀ (..., m, m) with R Rᵀ = C, semidefinite."""
+    values, vectors = np.linalg.eigh(compliance)
+    values = np.where(values > RIGID * values[..., -1:], values, 0.0)
+    return np.asarray(np.sqrt(values)[..., :, None] * np.swapaxes(vectors, -1, -2))
 
 
 def _normalised(wrenches: Array) -> tuple[Array, Array]:
