@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from orthospec.composite.template import compile_form
+from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures.elastic import Deflection, Rotation, RotationalStiffness, Stiffness
 
 WRENCH = (20.0, -5.0, 30.0, 1.0, 2.0, -0.5)
@@ -166,6 +167,22 @@ def test_a_machine_that_cannot_turn_has_no_rotation_and_meets_any_bound(least_sl
         form = measure.form(machine_with(c), POSE, "at_most")
         template = compile_form(form.holds, form.inside.shape[1:])
         assert least_slack(template, form.inside[0], 1e-12) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("legs", [{"kind": "PUU"}, {"kind": "PRPaR", "spacing": 0.08}])
+def test_an_orthoglide_of_rigid_legs_turns_nowhere_and_gives_as_its_actuators_do(legs):
+    machine = Orthoglide.model_validate(
+        {
+            "leg_lengths": [0.31, 0.35, 0.4],
+            "legs": {**legs, "section": "rigid", "offset": 0.03},
+            "actuators": {"stiffness": 5e7},
+        }
+    )
+    poses = np.random.default_rng(3).uniform(-0.1, 0.05, (200, 3))
+    assert np.isposinf(RotationalStiffness().values(machine, poses)).all()
+    assert np.isfinite(RotationalStiffness().form(machine, poses, "at_least").inside).all()
+    slowest = 1 / np.linalg.svd(machine.inverse_jacobian(poses), compute_uv=False)[:, -1]
+    np.testing.assert_allclose(Stiffness().values(machine, poses), 5e7 / slowest**2, rtol=1e-9)
 
 
 def test_the_same_compliance_in_every_direction_keeps_its_digits():

@@ -276,6 +276,25 @@ def test_a_measure_of_numbers_alone_is_fitted_whatever_the_sign_of_its_bound(mea
     assert -found.factor == pytest.approx(scale, abs=1e-7)
 
 
+class Rigid(Measure):
+    """A stiffness that is infinite for x < ``until``, and falls from there."""
+
+    unit: ClassVar[str] = "N/m"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least"})
+    until: float
+
+    def values(self, manipulator, poses):  # noqa: ARG002
+        return np.where(poses[:, 0] < self.until, np.inf, 1.0 - poses[:, 0])
+
+
+@pytest.mark.parametrize(("until", "scale"), [(9.0, 0.4), (0.0, 0.3)])
+def test_a_stiffness_that_is_infinite_in_places_or_everywhere_is_fitted(until, scale):
+    region = Cuboid((-0.1, -9.0, -9.0), (0.3, 9.0, 9.0))
+    problem = polish_problem(Rigid(until=until), {"at_least": 0.8}, scale=0.2, region=region)
+    found = minimise(problem, problem.start)
+    assert -found.factor == pytest.approx(scale, abs=1e-7)
+
+
 def test_relaxing_a_bound_is_the_same_as_moving_it():
     step = np.log(1.01)
     condition = Condition("bound", "m", "at_most")

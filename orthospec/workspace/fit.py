@@ -234,6 +234,8 @@ class FitProblem:
         keep = _worst_slots(values)
         self.slots[g], values = self.slots[g][keep], values[:, keep]
         for term, row in zip(terms, values, strict=True):
+            if row.max() == -np.inf:  # A bound that holds by any factor at every slot needs no row.
+                continue
             at = np.union1d(np.flatnonzero(row > -RELEVANT), row.argmax())
             yield _Chosen(g, term, at, self._template(machine, term, point, g))
             if isinstance(term, Extreme) and term in self._objective.reversed:
@@ -342,8 +344,11 @@ class FitProblem:
 
 
 def _worst_slots(values: Array) -> NDArray[np.intp]:
-    """Numbers of the slots to keep, of values (terms, slots): the worst of each term, the worst of all."""
-    finite = np.flatnonzero(np.isfinite(values).all(axis=0))
-    worst = finite[values[:, finite].argmax(axis=1)]
-    by_rank = finite[np.argsort(-values[:, finite].max(axis=0), kind="stable")]
+    """Numbers of the slots to keep, of values (terms, slots): the worst of each term, the worst of all.
+
+    Slots at which a term is not known (inf) are dropped; −inf is a bound that holds by any factor.
+    """
+    known = np.flatnonzero((values < np.inf).all(axis=0))
+    worst = known[values[:, known].argmax(axis=1)]
+    by_rank = known[np.argsort(-values[:, known].max(axis=0), kind="stable")]
     return np.union1d(worst, by_rank[:SLOTS])
