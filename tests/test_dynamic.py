@@ -173,11 +173,24 @@ def test_the_force_asked_for_is_the_worst_over_independent_directions(seed, acce
     rows = (machine.joint_inertia(POSE) @ machine.inverse_jacobian(POSE))[0]
     along = rows / np.linalg.norm(rows, axis=1, keepdims=True)
     ways = np.concatenate([np.linalg.eigh(bend)[1].T for bend in machine.velocity_forces(POSE)[0]])
+    ways = np.concatenate([ways, 0.5 * ways, np.zeros((1, 3))])
     a = np.repeat(np.concatenate([along, -along, directions(50)]), len(ways), axis=0)
     v = np.tile(ways, (56, 1))
     forces = np.abs(forces_of(machine, acceleration * a, speed * v)) + machine.actuator_limits().friction
     measure = ActuatorForce(acceleration=acceleration, speed=speed)
     assert value_of(measure, machine) == pytest.approx(forces.max(), rel=1e-12)
+
+
+@pytest.mark.parametrize(("speed", "force"), [(0.5, 35.0), (3.0, 35.0), (4.0, 71.0)])
+def test_a_force_that_speed_takes_from_the_load_is_asked_for_at_rest(least_slack, speed, force):
+    """30 N at rest, 5 N of push, and −3 ... −6 N at 1 m/s: 35 N, until the other sign is worse."""
+    bends = -np.diag([3.0, 5.0, 6.0]) * np.ones((1, 3, 1, 1))
+    machine = machine_with(np.eye(3)[None], np.eye(3)[None], rest=(30, 30, 30), bends=bends)
+    measure = ActuatorForce(acceleration=5.0, speed=speed)
+    assert value_of(measure, machine) == pytest.approx(force, rel=1e-12)
+    form = measure.form(machine, POSE, "at_most")
+    template = compile_form(form.holds, form.inside.shape[1:])
+    assert least_slack(template, form.inside[0], force / 2) == pytest.approx(np.log(2), abs=1e-8)
 
 
 def test_a_tool_that_is_held_still_asks_for_gravity_and_friction():

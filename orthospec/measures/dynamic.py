@@ -161,13 +161,14 @@ class ToolSpeed(Measure):
 
 
 class ActuatorForce(Measure):
-    """Greatest actuator force that an acceleration and a speed of the tool ask for, in any direction.
+    """Greatest actuator force that accelerations up to a and speeds up to v of the tool ask for.
 
-      max_i  a ‖r_i‖ + ρ(v² Q_i + g_i I) + f_i
+      max_i  a ‖r_i‖ + f_i + max( g_i + v² λ⁺(Q_i),  −g_i + v² λ⁺(−Q_i) )
 
     with r_i = row i of D J⁻¹, ṗᵀ Q_i ṗ the force that a constant velocity ṗ asks of actuator i, g_i its load
-    at rest (gravity), f_i its friction, and ρ the greatest magnitude of an eigenvalue. Acceleration and
-    velocity each have the direction that is worst for actuator i. From rest, v = 0: a ‖r_i‖ + |g_i| + f_i.
+    at rest (gravity), f_i its friction, and λ⁺ the greatest eigenvalue, or 0 where all are below it.
+    Acceleration and velocity each have the direction that is worst for actuator i. From rest, v = 0:
+    a ‖r_i‖ + |g_i| + f_i.
     """
 
     unit: ClassVar[str] = "N"
@@ -175,46 +176,45 @@ class ActuatorForce(Measure):
     needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
 
     acceleration: Annotated[quantities.Acceleration, Field(ge=0)]
-    """The tool's acceleration a [m/s^2]."""
+    """The tool's greatest acceleration a [m/s^2]."""
     speed: Annotated[quantities.Speed, Field(ge=0)] = 0.0
-    """The tool's speed v [m/s]."""
+    """The tool's greatest speed v [m/s]."""
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """The force [N] (n,)."""
-        forces = _greatest_force(self._pushes(manipulator, poses), self._loads(manipulator, poses))
+        forces = _greatest_force(*self._forces(manipulator, poses))
         return _or_if_singular(np.inf, forces, manipulator, poses)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
-        """a ‖r_i‖ + f_i + λ_max(±(v² Q_i + g_i I)) <= b for each actuator and sign."""
-        pushes, loads = self._pushes(manipulator, poses), self._loads(manipulator, poses)
-        n, m, d, _ = loads.shape
-        parts = np.concatenate([pushes, loads.reshape(n, -1)], axis=1)
+        """a ‖r_i‖ + f_i ± g_i + λ⁺(±v² Q_i) <= b for each actuator and sign."""
+        pushes, rest, moving = forces = self._forces(manipulator, poses)
+        n, m, d, _ = moving.shape
+        parts = np.concatenate([pushes, rest, moving.reshape(n, -1)], axis=1)
 
         def within(y: Any, limit: Any) -> list[Any]:
             import cvxpy as cp
 
-            return [
-                sign * cp.reshape(y[m + i * d * d : m + (i + 1) * d * d], (d, d), order="C")
-                << (limit - y[i]) * np.eye(d)
-                for i in range(m)
-                for sign in (1, -1)
-            ]
+            constraints = []
+            for sign in (1, -1):
+                left = limit - y[:m] - sign * y[m : 2 * m]
+                constraints.append(left >= 0)
+                for i in range(m if self.speed else 0):
+                    start = 2 * m + i * d * d
+                    force = cp.reshape(y[start : start + d * d], (d, d), order="C")
+                    constraints.append(sign * force << left[i] * np.eye(d))
+            return constraints
 
-        return forms.convex_size(parts, _greatest_force(pushes, loads), within, np.zeros(n))
+        return forms.convex_size(parts, _greatest_force(*forces), within, np.zeros(n))
 
-    def _pushes(self, manipulator: Manipulator, poses: Poses) -> Array:
-        """a ‖r_i‖ + f_i (n, m)."""
+    def _forces(self, manipulator: Manipulator, poses: Poses) -> tuple[Array, Array, Array]:
+        """a ‖r_i‖ + f_i (n, m), g_i (n, m), and v² Q_i (n, m, d, d), without entries at rest."""
         norms = np.linalg.norm(_force_rows(manipulator, poses), axis=2)
-        return np.asarray(self.acceleration * norms + manipulator.actuator_limits().friction)
-
-    def _loads(self, manipulator: Manipulator, poses: Poses) -> Array:
-        """v² Q_i + g_i I (n, m, d, d); at rest g_i alone (n, m, 1, 1)."""
+        pushes = self.acceleration * norms + manipulator.actuator_limits().friction
         with np.errstate(invalid="ignore"):
-            rest = manipulator.rest_load(poses)[:, :, None, None]
+            rest = manipulator.rest_load(poses)
             if self.speed == 0:
-                return rest
-            moving = self.speed**2 * manipulator.velocity_forces(poses)
-            return np.asarray(moving + rest * np.eye(poses.shape[1]))
+                return pushes, rest, np.empty((*rest.shape, 0, 0))
+            return pushes, rest, self.speed**2 * manipulator.velocity_forces(poses)
 
 
 def _eigenvalues(matrices: Matrices) -> Array:
@@ -263,10 +263,14 @@ def _gram(rows: Matrices, left: Array) -> Matrices:
     return np.asarray(np.swapaxes(scaled, 1, 2) @ scaled)
 
 
-def _greatest_force(pushes: Array, loads: Array) -> Array:
-    n, m, d, _ = loads.shape
-    spectrum = _eigenvalues(loads.reshape(n * m, d, d))[:, [0, -1]]
-    return np.asarray((pushes + np.abs(spectrum).max(axis=1).reshape(n, m)).max(axis=1))
+def _greatest_force(pushes: Array, rest: Array, moving: Array) -> Array:
+    """max_i of pushes + max(g_i + λ⁺(M_i), −g_i + λ⁺(−M_i)) (n,), M_i of any size d >= 0."""
+    n, m, d, _ = moving.shape
+    least, greatest = np.zeros((n, m)), np.zeros((n, m))
+    if d:
+        spectrum = _eigenvalues(moving.reshape(n * m, d, d)).reshape(n, m, d)
+        least, greatest = np.minimum(spectrum[:, :, 0], 0.0), np.maximum(spectrum[:, :, -1], 0.0)
+    return np.asarray((pushes + np.maximum(rest + greatest, -rest - least)).max(axis=1))
 
 
 def _row_logarithms(matrices: Matrices) -> Array:
