@@ -157,7 +157,7 @@ def test_a_turned_rectangle_exchanges_its_second_moments(height, width, part):
 
 @pytest.mark.parametrize("wall", [0.0, -0.001, 0.01, 0.02])
 def test_a_wall_that_leaves_no_hollow_is_refused(wall):
-    with pytest.raises(ValueError, match=r"less than 0\.01 m, half of the smallest side"):
+    with pytest.raises(ValueError, match=r"less than 0\.01 m, half of the smallest outer size"):
         circle(diameter=0.02, wall=wall)
-    with pytest.raises(ValueError, match=r"less than 0\.01 m, half of the smallest side"):
+    with pytest.raises(ValueError, match=r"less than 0\.01 m, half of the smallest outer size"):
         rectangle(height=0.05, width=0.02, wall=wall)

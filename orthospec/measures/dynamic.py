@@ -6,8 +6,9 @@ exert
     τ_i = r_i·p̈ + ṗᵀ Q_i ṗ + g_i,      r_i = row i of D J⁻¹,      g the load at rest (gravity),
 
 less what friction f_i takes. What is promised holds for every direction of the acceleration and of the
-velocity, each in the one that is worst for the actuator. At a parallel singularity D is infinite: a mass, a
-force and an anisotropy are inf, an acceleration is 0.
+velocity, each in the one that is worst for the actuator. At a parallel singularity D is infinite, and the
+actuators hold nothing: whatever is asked there is not met, a mass, a force and an anisotropy are inf, an
+acceleration is 0.
 """
 
 from __future__ import annotations

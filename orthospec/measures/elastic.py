@@ -21,7 +21,7 @@ from orthospec.measures.base import ConvexForm, Measure
 from orthospec.quantities import Force, Torque
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Matrices, Poses
+    from orthospec.arrays import Array, Flags, Matrices, Poses
     from orthospec.manipulators import Manipulator
 
 PositiveForce: TypeAlias = Annotated[Force, Field(gt=0)]
@@ -175,8 +175,8 @@ def _check_load(**loads: object) -> None:
         raise ValueError("a wrench with a force or a moment in it was expected, all of 'wrench' is 0")
 
 
-def _is_loose(compliance: Matrices) -> Any:
-    return np.isinf(compliance[:, 0, 0])
+def _is_loose(compliance: Matrices) -> Flags:
+    return np.asarray(np.isinf(compliance[:, 0, 0]))
 
 
 def _stiffness(compliance: Matrices, part: slice) -> Array:

@@ -39,17 +39,6 @@ def cantilever(section: Section, material: Material, length: float) -> Array:
     return C
 
 
-def rotated(compliance: Array, frame: Array) -> Array:
-    """A compliance (..., 6, 6) in its own frame, seen in the frame in which its axes are written.
-
-    ``frame`` (..., 3, 3) has the axes x, y and z as its rows; the reference point stays. The leading axes of
-    both broadcast.
-    """
-    turn = np.zeros((*frame.shape[:-2], 6, 6))
-    turn[..., :3, :3] = turn[..., 3:, 3:] = frame
-    return np.asarray(np.swapaxes(turn, -1, -2) @ compliance @ turn)
-
-
 def is_symmetric(compliance: Array) -> bool:
     """Whether C (6, 6) is symmetric, each entry to what its two diagonal entries allow."""
     return bool(np.all(np.abs(compliance - compliance.T) <= PRINTED * _sizes(compliance)))

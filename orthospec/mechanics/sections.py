@@ -63,7 +63,7 @@ def _hole(size: float, wall: float) -> float:
     if wall <= 0 or hole <= 0:
         raise ValueError(
             f"a wall of {wall:g} m does not fit: more than 0 and less than {size / 2:g} m, half of the"
-            " smallest side, was expected (no wall: solid)"
+            " smallest outer size, was expected (no wall: solid)"
         )
     return hole
 
