@@ -110,7 +110,7 @@ def test_keys_stand_in_the_order_of_the_contract(spec: Spec, finding: Finding) -
 def test_what_has_no_content_is_left_out(spec: Spec, finding: Finding) -> None:
     content = compose(spec, dataclasses.replace(finding, attainment=None))
     assert not {"attainment", "limits", "search", "sweep", "errors", "pareto"} & set(content)
-    assert set(content["manipulator"]) == {"use", "leg_lengths", "branch"}
+    assert set(content["manipulator"]) == {"use", "leg_lengths", "branch", "gravity"}
     assert set(content["provenance"]) == {"orthospec", "spec_sha256"}
 
 

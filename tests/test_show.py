@@ -282,7 +282,7 @@ def test_a_part_is_explained_once_for_all_places_that_it_stands_in() -> None:
     text = explain("linear_delta", width=80, colour=False)
     for line in (
         "  base_radius      m      required  Radius of the circle on which the slides",
-        "  friction   N    0         Coulomb friction, which takes its part of the force.",
+        "  friction   N    optional  Coulomb friction, which takes its part of the force;",
         "Keys of legs.section.round, feet.section.round",
         "Keys of legs.material, feet.material",
         "Keys of platform, tool, payload",

@@ -119,8 +119,8 @@ class Actuators(BaseModel):
     """What moves with a slider, without foot and leg [kg]."""
     speed: Annotated[Speed, Field(gt=0)] | None = None
     """Greatest speed [m/s]; no limit where none is given."""
-    friction: Annotated[Force, Field(ge=0)] = 0.0
-    """Coulomb friction, which takes its part of the force [N]."""
+    friction: Annotated[Force, Field(ge=0)] | None = None
+    """Coulomb friction, which takes its part of the force; none where none is given [N]."""
 
 
 class Body(BaseModel):

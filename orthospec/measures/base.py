@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ConvexForm:
-    """A bound on a measure as a convex set of something smooth (MODEL of goal attainment).
+    """A bound on a measure as a convex set of something smooth.
 
     ``inside`` (n, ...) is smooth in pose and design; it is linearised. ``holds(X, bound, slack)`` gives the
     cvxpy constraints that state the bound for one affine X of the shape of one inside. They are kept as they
@@ -48,7 +48,8 @@ class Measure(BaseModel, ABC):
     sides: ClassVar[frozenset[str]]
     """Which of "at_least" and "at_most" mean something."""
     needs: ClassVar[frozenset[str]] = frozenset()
-    """What the machine must offer beside its kinematics: of "compliance", "joint_inertia"."""
+    """What the machine must offer beside its kinematics: of "compliance", "joint_inertia",
+    "actuator_forces", "actuator_speeds"."""
 
     @abstractmethod
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:

@@ -17,7 +17,7 @@ def dump(data: Any) -> str:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes the strings that unquoted would be read as something else."""
+    """Quotes the strings that unquoted would be read as something else: a lone bracket joins what follows."""
 
     def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002
         """Write each part out, however often it is used."""
@@ -25,7 +25,8 @@ class _Dumper(yaml.SafeDumper):
 
 
 def _string(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
-    style = None if text.isprintable() and isinstance(scalar(text), str) else '"'
+    is_whole = text.count("(") == text.count(")")
+    style = None if text.isprintable() and is_whole and isinstance(scalar(text), str) else '"'
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
 
 
