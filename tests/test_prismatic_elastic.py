@@ -9,6 +9,8 @@ import pytest
 
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.mechanics import prismatic_elastic
+from orthospec.mechanics.virtual_joints import parallel_compliance
 
 L, D_BARS = 0.31, 0.08
 E, G = 70e9, 26e9
@@ -206,6 +208,16 @@ def test_rigid_legs_leave_the_drives_and_transmit_moments_rigidly():
         expected = jacobian @ np.swapaxes(jacobian, 1, 2) / STIFFNESS
         np.testing.assert_allclose(C[:, :3, :3], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
         np.testing.assert_allclose(C[:, 3:, :], 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rigid_chains_are_what_the_general_method_makes_of_them(kind):
+    machine, poses = orthoglide(kind, legs={"section": "rigid"}, offset=0.04), random_poses(20, 8)
+    legs = machine.closed_legs(poses)
+    general = parallel_compliance(*prismatic_elastic._chains(machine.geometry, machine.springs, legs.s))
+    found = machine.compliance(poses)
+    np.testing.assert_allclose(found, general, rtol=1e-9, atol=1e-12 * np.abs(found).max())
+    assert np.isnan(machine.compliance(np.array([[0.4, 0.4, 0.0]]))).all()
 
 
 @pytest.mark.parametrize("kind", KINDS)
