@@ -213,6 +213,10 @@ CHANGES = {
         "use: orthoglide\n  leg_lengths: [base, base, third]", "from: solved/result.yaml",
         ["7:9: 'solved/result.yaml': no such file or directory"],
     ),
+    "a bound that no machine meets": (
+        "at_least: 0.5\n    at_most: 2", "at_most: -2",
+        ["15:14: velocity_transmission is never below 0: no machine meets at_most -2"],
+    ),
     "parts of a leg": (
         "use: orthoglide\n",
         "use: orthoglide\n"
@@ -220,7 +224,7 @@ CHANGES = {
         [
             "8:16: 'PUU' or 'PRPaR' was expected, 'PU' given",
             "8:37: a wall of 0.01 m does not fit: more than 0 and less than 0.01 m, half of the smallest "
-            "side, was expected (no wall: solid)",
+            "outer size, was expected (no wall: solid)",
             "8:80: unknown material 'steal'; did you mean 'steel'? known here: steel, aluminium, titanium, "
             "carbon",
         ],

@@ -47,6 +47,8 @@ class Measure(BaseModel, ABC):
     """The unit of its values: "1", "m", "kg", "m/s^2" ..."""
     sides: ClassVar[frozenset[str]]
     """Which of "at_least" and "at_most" mean something."""
+    least: ClassVar[float] = -math.inf
+    """No machine has a value below this: an upper bound there is a mistake."""
     needs: ClassVar[frozenset[str]] = frozenset()
     """What the machine must offer beside its kinematics: of "compliance", "joint_inertia",
     "actuator_forces", "actuator_speeds"."""

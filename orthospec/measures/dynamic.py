@@ -44,6 +44,7 @@ class GieNorm(Measure):
 
     unit: ClassVar[str] = "kg"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 0.0
     needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
@@ -64,6 +65,7 @@ class DynamicIsotropy(Measure):
 
     unit: ClassVar[str] = "1"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 1.0
     needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
@@ -126,6 +128,7 @@ class JointSpeed(Measure):
 
     unit: ClassVar[str] = "m/s"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 0.0
 
     speed: Annotated[quantities.Speed, Field(gt=0)]
     """The tool's speed v [m/s]."""
@@ -174,6 +177,7 @@ class ActuatorForce(Measure):
 
     unit: ClassVar[str] = "N"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 0.0
     needs: ClassVar[frozenset[str]] = frozenset({"joint_inertia"})
 
     acceleration: Annotated[quantities.Acceleration, Field(ge=0)]

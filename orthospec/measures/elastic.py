@@ -45,6 +45,7 @@ class Deflection(Measure):
 
     unit: ClassVar[str] = "m"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 0.0
     needs: ClassVar[frozenset[str]] = frozenset({"compliance"})
 
     force: PositiveForce | None = None
@@ -84,6 +85,7 @@ class Rotation(Measure):
 
     unit: ClassVar[str] = "rad"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 0.0
     needs: ClassVar[frozenset[str]] = frozenset({"compliance"})
 
     torque: PositiveTorque | None = None

@@ -61,6 +61,7 @@ class VelocityTransmission(Measure):
 
     unit: ClassVar[str] = "1"
     sides: ClassVar[frozenset[str]] = frozenset({"at_least", "at_most"})
+    least: ClassVar[float] = 0.0
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """σ_min(J) and σ_max(J), (n, 2)."""
@@ -80,6 +81,7 @@ class ConditionNumber(Measure):
 
     unit: ClassVar[str] = "1"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 1.0
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """κ(J), (n,); inf at a singularity."""

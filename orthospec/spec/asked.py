@@ -67,6 +67,10 @@ def _bounds(draft: Draft, path: Path, made_of: type[Measure], given: Mapping[str
             if reading is not None:
                 bounds[side] = reading
     least, most = bounds.get("at_least"), bounds.get("at_most")
+    if isinstance(most, float) and (most < made_of.least or most == made_of.least == 0):
+        use = draft.keys.measures[str(path[1])].use
+        message = f"{use} is never below {made_of.least:g}: no machine meets at_most {most:g}"
+        draft.wrong((*path, "at_most"), message)
     if isinstance(least, float) and isinstance(most, float) and least > most:
         draft.wrong((*path, "at_least"), f"at_least {least:g} is above at_most {most:g}: nothing meets both")
     return bounds
