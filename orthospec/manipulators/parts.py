@@ -46,9 +46,7 @@ class Legs(BaseModel):
     @model_validator(mode="after")
     def _has_spacing_of_two_bars(self) -> Self:
         if self.spacing is not None and self.kind == "PUU":
-            raise ValueError(
-                "'spacing' is of a PRPaR leg's two bars, and this leg is PUU: give kind: PRPaR"
-            )
+            raise ValueError("'spacing' is of a PRPaR leg's two bars, and this leg is PUU: give kind: PRPaR")
         return self
 
     def bar_compliance(self, length: float) -> Array | None:
