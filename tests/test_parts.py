@@ -270,9 +270,10 @@ class TestMistakes:
     def test_in_a_material_is_told_at_its_key(self, material, path, message):
         assert mistakes(legs={"material": material}) == {("legs", "material", *path): message}
 
-    def test_of_a_spacing_with_one_bar_is_told(self):
-        message = "'spacing' is of a PRPaR leg's two bars, and this leg is PUU: give kind: PRPaR"
+    def test_of_a_spacing_without_a_kind_is_told(self):
+        message = "'spacing' is of the two bars of a PRPaR leg: give 'kind' too, PRPaR or PUU"
         assert mistakes(legs={"spacing": 0.1}) == {("legs",): message}
+        assert machine(legs={"spacing": 0.1, "kind": "PUU"}).legs.spacing == 0.1
 
     def test_of_several_parts_are_told_at_once(self):
         assert mistakes(

@@ -37,16 +37,16 @@ class Legs(BaseModel):
     material: Material | None = None
     """Material of a leg's bar."""
     spacing: PositiveLength | None = None
-    """Distance of the two bars of a parallelogram [m]."""
+    """Distance of the two bars of a parallelogram [m]; of no effect on a PUU leg."""
     offset: Length = 0.0
     """Distance of the tool point from the legs' ends on the platform, along the slides [m]."""
     mass: SomeMass | None = None
     """Mass of one bar [kg], in place of density times area times length."""
 
     @model_validator(mode="after")
-    def _has_spacing_of_two_bars(self) -> Self:
-        if self.spacing is not None and self.kind == "PUU":
-            raise ValueError("'spacing' is of a PRPaR leg's two bars, and this leg is PUU: give kind: PRPaR")
+    def _says_how_many_bars(self) -> Self:
+        if self.spacing is not None and "kind" not in self.model_fields_set:
+            raise ValueError("'spacing' is of the two bars of a PRPaR leg: give 'kind' too, PRPaR or PUU")
         return self
 
     def bar_compliance(self, length: float) -> Array | None:
