@@ -255,6 +255,12 @@ def test_check_imports_little(spec: Path) -> None:
     assert done.stdout == "small.yaml: ok (orthoglide, 1 variable, 1 measure, 1 goal)\n[]\n", done.stderr
 
 
+def test_check_of_a_machine_with_parts_imports_little() -> None:
+    spec = Path(__file__).parents[1] / "specs" / "linear-delta-300.yaml"
+    done = _python(CHECK, str(spec))
+    assert done.stdout.splitlines()[-1] == "[]", done.stdout + done.stderr
+
+
 def test_importing_orthospec_imports_nothing_heavy() -> None:
     script = """
 import sys, orthospec

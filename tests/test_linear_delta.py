@@ -118,6 +118,48 @@ def test_vertical_slides_reach_all_that_their_legs_reach():
     assert (margins["assembly"][closed] > 0).all()
 
 
+def reachable_count(**keys):
+    axis = np.linspace(-0.5, 0.5, 31)
+    grid = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, 3)
+    legs = {"leg_lengths": (0.4, 0.4, 0.4), "platform_radius": 0.05}
+    return int(LinearDelta(**{**legs, **keys}).inverse_kinematics(grid)[1].sum())
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_base_radius_of_a_star_only_shifts_its_sliders(sign):
+    star = {"rail_tilt": math.pi / 2, "branch": (sign,) * 3}
+    counts = {reachable_count(base_radius=radius, **star) for radius in (0.0, 0.05, 0.3)}
+    assert len(counts) == 1
+    assert counts.pop() > 2000
+
+
+@given(
+    st.floats(-1.57, math.pi / 2),
+    st.floats(0.0, 0.5),
+    st.floats(0.01, 0.4),
+    st.tuples(*[st.sampled_from((1, -1))] * 3),
+)
+def test_legs_at_home_reach_out_along_their_slides(tilt, base, platform, branch):
+    if base == platform and tilt == 0:
+        return
+    machine = LinearDelta(
+        leg_lengths=(0.5, 0.5, 0.5),
+        base_radius=base,
+        platform_radius=platform,
+        rail_tilt=tilt,
+        branch=branch,
+    )
+    geometry = machine.geometry
+    assert (np.sum(geometry.axes * geometry.home, axis=1) > 0).all()
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.3, -0.3, 0.9, -0.9, 1.3])
+@pytest.mark.parametrize("radius", [0.0, 0.3])
+def test_the_middle_of_the_machine_is_in_its_reach(tilt, radius):
+    """A pose on the axis from which the legs lean out by 45 deg, or in where the base is the narrower."""
+    assert reachable_count(base_radius=radius, rail_tilt=tilt) > 2000
+
+
 def test_horizontal_star_is_singular_in_the_plane_of_its_slides():
     machine = LinearDelta(**KEYS, rail_tilt=math.pi / 2)
     below, above = machine.inverse_kinematics(np.array([[0.0, 0.0, -0.2], [0.0, 0.0, 0.2]]))[1]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import Field, model_validator
 
@@ -17,6 +17,9 @@ from orthospec.arrays import np
 from orthospec.manipulators.prismatic import PrismaticManipulator
 from orthospec.mechanics.prismatic import PrismaticLegs
 from orthospec.quantities import Angle, Length
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
 
 AZIMUTHS = (0.0, 2 * math.pi / 3, 4 * math.pi / 3)
 """Directions of the three slides around z, from the x axis [rad]."""
@@ -54,8 +57,6 @@ class LinearDelta(PrismaticManipulator):
         radial = np.array([[math.cos(alpha), math.sin(alpha), 0.0] for alpha in AZIMUTHS])
         up = np.array([0.0, 0.0, 1.0])
         branches = np.array(self.branch, dtype=float)
-        # At home the legs lean by 45 deg, outwards to their sliders or inwards.
-        lean = 1.0 if self.base_radius >= self.platform_radius else -1.0
         return PrismaticLegs(
             axes=math.sin(self.rail_tilt) * radial + math.cos(self.rail_tilt) * up,
             bases=self.base_radius * radial,
@@ -63,5 +64,20 @@ class LinearDelta(PrismaticManipulator):
             lengths=np.array(self.leg_lengths),
             branches=branches,
             revolutes=np.cross(up, radial),
-            home=(branches[:, None] * lean * radial + up) / math.sqrt(2),
+            home=(self._lean[:, None] * radial + up) / math.sqrt(2),
         )
+
+    @property
+    def _lean(self) -> Array:
+        """Whether the legs, as β_i s_i points, lean outwards (1) or inwards (−1) where the machine works.
+
+        On flat rails they lean as their slides do. On steep ones that decides itself where a slider, a leg's
+        length along its slide, is farther out than the platform's joint or not: in between, the machine is
+        singular.
+        """
+        branches = np.array(self.branch, dtype=float)
+        if abs(self.rail_tilt) > math.pi / 4:
+            return np.full(3, math.copysign(1.0, self.rail_tilt))
+        travel = branches * np.array(self.leg_lengths)
+        radius = self.base_radius + travel * math.sin(self.rail_tilt)
+        return np.where(radius >= self.platform_radius, branches, -branches)

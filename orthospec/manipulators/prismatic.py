@@ -11,18 +11,18 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 
 from orthospec.arrays import np
 from orthospec.manipulators.base import ActuatorLimits, Manipulator, Skeleton, remembering
 from orthospec.manipulators.parts import Actuators, Body, FeetOrRigid, Legs
+from orthospec.manipulators.stock import PositiveLength
 from orthospec.mechanics import prismatic, prismatic_elastic, prismatic_inertia
 from orthospec.quantities import Acceleration, Length
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags, Joints, Matrices, Poses
 
-PositiveLength = Annotated[Length, Field(gt=0)]
 Triple = tuple[Length, Length, Length]
 EachSlider = Annotated[
     Triple,
@@ -187,10 +187,16 @@ class PrismaticManipulator(Manipulator):
     @cached_property
     def _masses(self) -> prismatic_inertia.Masses:
         return prismatic_inertia.Masses(
-            sliders=(self.actuators.mass or 0.0) + self._foot_mass,
-            legs=np.array(self._leg_masses),
-            platform=sum(body.mass for body in (self.platform, self.tool, self.payload) if body),
+            sliders=self._slider_mass, legs=np.array(self._leg_masses), platform=self._platform_mass
         )
+
+    @property
+    def _slider_mass(self) -> float:
+        return (self.actuators.mass or 0.0) + self._foot_mass
+
+    @property
+    def _platform_mass(self) -> float:
+        return sum(body.mass for body in (self.platform, self.tool, self.payload) if body)
 
     @property
     def _foot_mass(self) -> float:
@@ -229,8 +235,8 @@ class PrismaticManipulator(Manipulator):
     def _missing_masses(self) -> tuple[str, ...]:
         parts = [part for part in (self.legs, self.feet) if part is not None]
         missing = tuple(key for part in parts for key in part.missing("mass"))
-        masses = self._masses
-        if not missing and masses.platform + masses.sliders + masses.legs.sum() == 0:
+        moving = (self._platform_mass, self._slider_mass, *self._leg_masses)
+        if not missing and not any(moving):
             return ("platform.mass", "actuators.mass")
         return missing
 
