@@ -9,7 +9,7 @@ import pytest
 
 from orthospec import registry
 from orthospec.measures import Measure
-from orthospec.optimise import evaluate_spec, run, solve
+from orthospec.optimise import attain, evaluate_spec, run, solve
 
 HEAD = """\
 orthospec: 1
@@ -44,7 +44,7 @@ goals: {goals}
 def without_prices():
     """Half of a solve goes into the prices of what binds, which have tests of their own."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "find_limits", lambda _: ())
+        patch.setattr(run, "find_limits", lambda *_: ())
         yield
 
 
@@ -267,14 +267,32 @@ class TestEndings:
         assert len(set(told)) >= 3
 
     def test_ctrl_c_keeps_what_was_found(self, spec_of):
-        def stop(stage, *_):
-            if "subproblem 5" in stage:
+        def stop(stage, done, _):
+            if stage.startswith("solving") and done == 1:
                 raise KeyboardInterrupt
 
-        outcome = solve(spec_of(SHORTEST), progress=stop)
+        outcome = solve(spec_of(SHORTEST, "optimise.starts=3"), progress=stop)
         assert outcome.interrupted
         assert outcome.finding.status == "unfinished"
-        assert 0.25 <= outcome.finding.design.values["leg"] <= 0.5
+        assert outcome.finding.search.starts == 1
+        assert outcome.finding.design.values["leg"] == pytest.approx(LEG, rel=1e-8)
+
+    def test_ctrl_c_in_the_middle_of_a_solve_keeps_where_it_stood(self, spec_of, monkeypatch):
+        minimise_fully = attain.minimise
+
+        def minimise(*arguments, on_iterate, **options):
+            def follow(here, iterate):
+                on_iterate(here, iterate)
+                if iterate.subproblems >= 5:
+                    raise KeyboardInterrupt
+
+            return minimise_fully(*arguments, on_iterate=follow, **options)
+
+        monkeypatch.setattr("orthospec.optimise.attain.minimise", minimise)
+        outcome = solve(spec_of(SHORTEST))
+        assert outcome.interrupted
+        assert outcome.finding.search.subproblems >= 5
+        assert outcome.finding.design.values["leg"] == pytest.approx(LEG, rel=0.1)
 
 
 class Radius(Measure):

@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orthospec.optimise.explore import KEPT, candidates, explore, start_at
+from orthospec.optimise.place import fit_at
 from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
 
 SPEC = """\
 orthospec: 1
@@ -69,41 +71,43 @@ def test_the_sequence_is_spread_out_and_depends_on_the_seed_alone(spec_of):
 
 
 def test_starts_are_the_best_distinct_ones_and_can_be_evaluated(space):
-    starts, count = explore(space)
+    starts, count = explore(space, Here())
     assert count == space.spec.optimise.starts
     assert 1 <= len(starts) <= KEPT
     merits = [start.merit for start in starts]
     assert merits == sorted(merits)
     assert np.isfinite(merits).all()
     for start in starts:
-        assert np.isfinite(start.problem.assess(start.problem.start).violation)
+        problem = fit_at(space, start.place).problem
+        assert np.isfinite(problem.assess(problem.start).violation)
 
 
 @pytest.mark.parametrize("z", [(0.0, 0.0), (0.1, 1.0)])
 def test_where_the_prescribed_cuboid_leaves_the_reach_the_start_is_a_smaller_one(space, z):
-    start = start_at(space, np.array(z))
-    (cuboid,) = start.problem.cuboids(start.problem.start)
+    place = start_at(space, z).place
+    problem = fit_at(space, place).problem
+    (cuboid,) = problem.cuboids(problem.start)
     assert cuboid.size[0] < 0.2
-    assert start.problem.layout.limits.least_scale == 1.0
-    assert start.problem.assess(start.problem.start).violation > 0.1
+    assert place.least_scale == 1.0
+    assert problem.assess(problem.start).violation > 0.1
 
 
 def test_where_it_fits_it_is_taken_as_it_is(space):
-    start = start_at(space, np.array([0.75, 0.5]))
-    (cuboid,) = start.problem.cuboids(start.problem.start)
+    place = start_at(space, (0.75, 0.5)).place
+    (cuboid,) = place.cuboids(space).values()
     np.testing.assert_allclose(cuboid.size, [0.2] * 3, rtol=1e-12)
-    assert start.problem.layout.limits.scale is None
+    assert place.scales is None
 
 
 def test_a_design_that_cannot_be_built_is_no_start(spec_of):
     text = SPEC.replace("[leg, leg, third]", '[leg, leg, "leg - 0.3"]')
     space = DesignSpace(spec_of(text))
-    assert start_at(space, np.array([0.25, 0.5])) is None
-    starts, _ = explore(space)
+    assert start_at(space, (0.25, 0.5)) is None
+    starts, _ = explore(space, Here())
     assert starts
-    assert all(space.values(start.z)["leg"] > 0.3 for start in starts)
+    assert all(space.values(start.place.design)["leg"] > 0.3 for start in starts)
 
 
 def test_nothing_reachable_in_the_region_is_no_start(spec_of):
     text = SPEC.replace("divisions: 10", "divisions: 10, region: {min: [5, 5, 5], max: [6, 6, 6]}")
-    assert explore(DesignSpace(spec_of(text)))[0] == []
+    assert explore(DesignSpace(spec_of(text)), Here())[0] == []

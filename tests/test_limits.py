@@ -10,6 +10,7 @@ import pytest
 from orthospec.optimise import solve
 from orthospec.optimise.attain import hunt
 from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
 from orthospec.spec import load_spec
 
 SPECS = Path(__file__).parents[1] / "specs"
@@ -17,8 +18,8 @@ SPECS = Path(__file__).parents[1] / "specs"
 
 def best_factor(spec):
     """λ of a spec, without the evaluation and the prices."""
-    best = hunt(DesignSpace(spec)).best
-    return best.factor * best.start.objective.unit
+    best = hunt(DesignSpace(spec), Here()).best
+    return best.factor * best.unit
 
 
 def least_leg(least, most, side=0.2):

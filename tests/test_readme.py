@@ -24,6 +24,7 @@ from orthospec.mechanics.materials import TABLE
 from orthospec.optimise import Outcome, solve
 from orthospec.optimise.attain import hunt
 from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
 from orthospec.result import compose
 from orthospec.show import installed, show
 from orthospec.show.keys import keys_of
@@ -191,9 +192,9 @@ def design(name: str, *settings: str, outcome_of: OutcomeOf) -> Mapping[str, flo
     if not settings:
         return outcome_of(name).finding.design.values
     space = DesignSpace(load_spec(ROOT / "specs" / f"{name}.yaml", settings))
-    best = hunt(space).best
+    best = hunt(space, Here()).best
     assert best is not None
-    return space.values(best.z)
+    return space.values(best.end.design)
 
 
 OUTPUTS = [

@@ -9,8 +9,12 @@ import numpy as np
 
 from orthospec.composite.trust_region import FEASIBLE, Assessment, Iterate, Solution, minimise
 from orthospec.optimise.explore import Start, explore
+from orthospec.optimise.objective import Learnt
+from orthospec.optimise.place import Fit, Place, fit_at
 from orthospec.optimise.space import DesignSpace
-from orthospec.workspace.cuboid import Cuboid
+from orthospec.optimise.tasks import Stopped, Task
+from orthospec.optimise.workers import Workers
+from orthospec.workspace.conditions import Condition
 from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
 from orthospec.workspace.fit import FitProblem
@@ -27,16 +31,31 @@ CONFIRMATIONS = 4
 
 
 @dataclass(frozen=True)
-class Attained:
-    """The best point found from one start."""
+class Pressure:
+    """What pushes against the least violation, each with its part of the whole."""
 
-    start: Start
-    x: Array
+    conditions: tuple[tuple[Condition, float], ...]
+    goals: tuple[tuple[str, float], ...]
+    """Hard goals, by name; one with several rows stands here as often."""
+    ends: tuple[tuple[float, float], ...]
+    """Multipliers of both ends of each variable's range."""
+
+
+@dataclass(frozen=True)
+class Attained:
+    """The best point found from one start, as plain data: `orthospec.optimise.place` makes its fit anew."""
+
+    start: Place
+    end: Place
+    learnt: Learnt
     factor: float
     violation: float
+    unit: float
+    """What one unit of the factor is in λ."""
     subproblems: int
-    solution: Solution | None = None
-    """None where the solve was stopped before its end."""
+    iterates: tuple[Iterate, ...]
+    pressure: Pressure | None = None
+    """None where the solve was stopped before its end, or a bound has no part in it."""
 
     @property
     def feasible(self) -> bool:
@@ -46,7 +65,7 @@ class Attained:
     @property
     def merit(self) -> float:
         """λ, or the violation where not every bound holds."""
-        return self.factor * self.start.objective.unit if self.feasible else self.violation
+        return self.factor * self.unit if self.feasible else self.violation
 
     def beats(self, other: Attained) -> bool:
         """Whether it is the better one, by more than rounding: feasible first, then the lower merit."""
@@ -54,79 +73,134 @@ class Attained:
             return self.feasible
         return self.merit < other.merit - SAME * abs(other.merit)
 
-    def cuboids(self) -> dict[str, Cuboid]:
-        """The prescribed cuboids, by measure; "" names the joint one."""
-        problem = self.start.problem
-        placed = zip(problem.groups, problem.cuboids(self.x), strict=True)
-        design = self.start.space.design(self.z)
-        apart = not self.start.space.spec.workspace.together and any(d.bounds for d in design.demands)
-        return {group.names[0] if apart else "": cuboid for group, cuboid in placed}
-
-    @property
-    def z(self) -> Array:
-        """The scaled design."""
-        return self.start.problem.layout.unpack(self.x).design
-
 
 @dataclass
 class Hunt:
     """What a search has found so far; kept outside of it, so that Ctrl-C loses nothing."""
 
     designs: int = 0
-    starts: int = 0
-    best: Attained | None = None
-    current: Attained | None = None
-    """Where the solve under way stands."""
-    history: list[dict[str, Any]] = field(default_factory=list)
+    solved: dict[int, Attained] = field(default_factory=dict)
+    """The end of each start's solve, by the start's rank."""
     interrupted: bool = False
 
-    def finish(self, found: Attained | None) -> None:
-        """Keep a solve's end where it is better than what is kept."""
-        self.current = None
-        if found is not None and (self.best is None or found.beats(self.best)):
-            self.best = found
+    @property
+    def best(self) -> Attained | None:
+        """The best end; of equal ones that of the first start, whichever was there first."""
+        best: Attained | None = None
+        for _, found in sorted(self.solved.items()):
+            if best is None or found.beats(best):
+                best = found
+        return best
+
+    def history(self, space: DesignSpace) -> list[dict[str, Any]]:
+        """Each start and the steps from there, for the log."""
+        return [
+            {"start": space.values(one.start.design), "iterates": [vars(iterate) for iterate in one.iterates]}
+            for _, one in sorted(self.solved.items())
+        ]
 
 
-def hunt(space: DesignSpace, progress: Progress | None = None) -> Hunt:
+def attain(space: DesignSpace, place: Place) -> Attained:
+    """Solve from one place."""
+    fit = fit_at(space, place)
+    problem = fit.problem
+    iterates: list[Iterate] = []
+    here = problem.assess(problem.start)
+
+    def follow(now: Assessment, iterate: Iterate) -> None:
+        nonlocal here
+        here = now
+        iterates.append(iterate)
+
+    try:
+        found = minimise(problem, problem.start, on_iterate=follow)
+        spent = found.subproblems
+        problem.lattice = FINE
+        here = confirmed = problem.assess(_snapped(problem, found.x))
+        for _ in range(CONFIRMATIONS):
+            if confirmed.violation <= max(FEASIBLE, 1.01 * found.violation):
+                break
+            found = minimise(problem, confirmed.x, radius=0.02, on_iterate=follow)
+            spent += found.subproblems
+            here = confirmed = problem.assess(_snapped(problem, found.x))
+    except KeyboardInterrupt:
+        spent = iterates[-1].subproblems if iterates else 0
+        raise Stopped(_attained(fit, here, spent, iterates, None)) from None
+    return _attained(fit, confirmed, spent, iterates, found)
+
+
+ATTAIN = Task("solving from the best starts", attain)
+
+
+def _attained(
+    fit: Fit, here: Assessment, spent: int, iterates: list[Iterate], solution: Solution | None
+) -> Attained:
+    return Attained(
+        fit.place,
+        fit.place.at(fit.problem.layout.unpack(here.x)),
+        fit.objective.learnt,
+        float(here.factor),
+        float(here.violation),
+        fit.objective.unit,
+        spent,
+        tuple(_plain(iterate) for iterate in iterates),
+        _pressure(fit, solution) if solution is not None and here.violation > FEASIBLE else None,
+    )
+
+
+def _plain(iterate: Iterate) -> Iterate:
+    return Iterate(
+        iterate.subproblems,
+        float(iterate.factor),
+        float(iterate.violation),
+        float(iterate.radius),
+        float(iterate.penalty),
+        bool(iterate.accepted),
+    )
+
+
+def _pressure(fit: Fit, solution: Solution) -> Pressure | None:
+    """The shares in the last subproblem's pressure."""
+    rows, step = solution.rows, solution.step
+    if rows is None or step is None:
+        return None
+    owners, stop = fit.objective.owners, rows.half_lines.stop
+    hard = map(float, step.shares[stop - len(owners) : stop])
+    ends = step.on_bounds[: len(fit.place.z)]
+    return Pressure(
+        tuple((condition, float(share)) for condition, share in fit.problem.shares(rows, step).items()),
+        tuple(zip(owners, hard, strict=True)),
+        tuple((float(low), float(high)) for low, high in ends),
+    )
+
+
+def hunt(space: DesignSpace, workers: Workers, progress: Progress | None = None) -> Hunt:
     """Search the design space; stopped by Ctrl-C it gives back what it has."""
     import cvxpy  # noqa: F401  # before Ctrl-C is caught: an import cut in half cannot be mended
 
     state = Hunt()
     try:
-        if progress is not None:
-            progress("designs on the coarse grid", 0, 0)
-        starts, state.designs = explore(space)
-        for start in starts:
-            state.starts += 1
-            _solve(start, state, progress)
+        starts, state.designs = explore(space, workers, progress)
+        _solve(space, workers, starts, state, progress)
+    except Stopped as stopped:
+        state.interrupted = True
+        if isinstance(stopped.made, Attained):
+            state.solved[len(state.solved)] = stopped.made
     except KeyboardInterrupt:
         state.interrupted = True
-        state.finish(state.current)
     return state
 
 
-def _solve(start: Start, state: Hunt, progress: Progress | None) -> None:
-    problem = start.problem
-    iterates: list[dict[str, float]] = []
-    state.history.append({"start": start.space.values(start.z), "iterates": iterates})
-
-    def follow(here: Assessment, iterate: Iterate) -> None:
-        iterates.append({name: float(value) for name, value in vars(iterate).items()})
-        state.current = Attained(start, here.x, here.factor, here.violation, iterate.subproblems)
+def _solve(
+    space: DesignSpace, workers: Workers, starts: list[Start], state: Hunt, progress: Progress | None
+) -> None:
+    places = [start.place for start in starts]
+    if progress is not None:
+        progress(ATTAIN.name, 0, len(places))
+    for number, found in workers.each(ATTAIN, space, places):
+        state.solved[number] = found
         if progress is not None:
-            progress(f"start {state.starts}, subproblem {iterate.subproblems}", 0, 0)
-
-    found = minimise(problem, problem.start, on_iterate=follow)
-    spent = found.subproblems
-    problem.lattice = FINE
-    confirmed = problem.assess(_snapped(problem, found.x))
-    for _ in range(CONFIRMATIONS):
-        if confirmed.violation <= max(FEASIBLE, 1.01 * found.violation):
-            break
-        found = minimise(problem, confirmed.x, radius=0.02, on_iterate=follow)
-        spent += found.subproblems
-        confirmed = problem.assess(_snapped(problem, found.x))
-    state.finish(Attained(start, confirmed.x, confirmed.factor, confirmed.violation, spent, found))
+            progress(ATTAIN.name, len(state.solved), len(places))
 
 
 def _snapped(problem: FitProblem, x: Array) -> Array:

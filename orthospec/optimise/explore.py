@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orthospec.errors import UnbuildableDesign, UsageError
-from orthospec.optimise.objective import GoalObjective, scale_is_asked
+from orthospec.optimise.objective import scale_is_asked
+from orthospec.optimise.place import Place, fit_at
 from orthospec.optimise.space import DesignSpace, machine_of
+from orthospec.optimise.tasks import Task
+from orthospec.optimise.workers import Workers, in_order
 from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
 from orthospec.workspace.evaluate import Setting
-from orthospec.workspace.field import State, node_states, together
-from orthospec.workspace.fit import FitProblem, Group
+from orthospec.workspace.field import Progress, State, node_states, together
+from orthospec.workspace.fit import Group
 from orthospec.workspace.grid import Grid, make_grid, reach_box
-from orthospec.workspace.layout import Limits
 from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
@@ -40,12 +42,9 @@ SCALES = (1e-3, 1e3)
 
 @dataclass(frozen=True)
 class Start:
-    """A design to start from, its problem, and its merit there: the less the better."""
+    """A place to solve from, and its merit there: the less the better."""
 
-    space: DesignSpace
-    z: Array
-    problem: FitProblem
-    objective: GoalObjective
+    place: Place
     merit: float
 
 
@@ -62,54 +61,46 @@ def candidates(space: DesignSpace) -> Iterator[Array]:
         yield np.asarray((shift + i * pace) % 1.0)
 
 
-def start_at(space: DesignSpace, z: Array) -> Start | None:
-    """The local problem at a design, its cuboids placed by a coarse grid; None where there is no start.
+def start_at(space: DesignSpace, z: tuple[float, ...]) -> Start | None:
+    """Where to solve from with a design, its cuboids placed by a coarse grid; None where there is no start.
 
     Where the prescribed cuboid leaves the reach, the grid's own is taken, with its scale as a variable and
     the prescribed one to be reached elastically, so that the current point can always be evaluated.
     """
     try:
-        design = space.design(z)
+        design = space.design(np.array(z))
         placed = _place(space, machine_of(design))
     except (UnbuildableDesign, UsageError):
         return None
     if placed is None:
         return None
     groups, scale = placed
-    objective = GoalObjective(space, z)
-    box = np.zeros(len(z)), np.ones(len(z))
-    whole = Limits(box, space.setting.region)
+    place = Place(z, groups)
     if scale_is_asked(design.goals):
-        return _start(space, z, groups, objective, max(scale, 0.05), replace(whole, scale=SCALES))
-    start = _start(space, z, groups, objective, 1.0, whole)
+        return _judged(space, replace(place, scale=max(scale, 0.05), scales=SCALES))
+    start = _judged(space, place)
     if np.isfinite(start.merit):
         return start
-    limits = replace(whole, scale=(SMALLEST, 1.0), least_scale=1.0)
     part = 0.95 * min(1.0, max(scale, 0.05))
     while part > SMALLEST:
-        start = _start(space, z, groups, objective, part, limits)
+        start = _judged(space, replace(place, scale=part, scales=(SMALLEST, 1.0), least_scale=1.0))
         if np.isfinite(start.merit):
             return start
         part /= 3
     return None
 
 
-def _start(
-    space: DesignSpace,
-    z: Array,
-    groups: list[Group],
-    objective: GoalObjective,
-    scale: float,
-    limits: Limits,
-) -> Start:
-    problem = FitProblem(space.machine, space.setting.size, groups, objective, limits, (z, scale))
-    objective.settle(space.machine(z), problem.layout.unpack(problem.start))
+MEASURE = Task("designs on the coarse grid", start_at)
+
+
+def _judged(space: DesignSpace, place: Place) -> Start:
+    problem = fit_at(space, place).problem
     judged = problem.assess(problem.start)
     merit = judged.factor + 10 * judged.violation if np.isfinite(judged.violation) else np.inf
-    return Start(space, z, problem, objective, merit)
+    return Start(place, float(merit))
 
 
-def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | None:
+def _place(space: DesignSpace, machine: Machine) -> tuple[tuple[Group, ...], float] | None:
     """The groups of demands, their cuboids' centres on a coarse grid, and the least scale of these."""
     setting = space.setting
     bounded = [demand for demand in machine.demands.values() if demand.bounds]
@@ -129,7 +120,7 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[list[Group], float] | 
             return None
         groups.append(Group(names, tuple(map(float, found.centre))))
         scales.append(float(np.max(found.size / setting.size)))
-    return groups, min(scales)
+    return tuple(groups), min(scales)
 
 
 def _coarse_grid(machine: Machine, setting: Setting) -> Grid:
@@ -145,17 +136,22 @@ def _cuboid(grid: Grid, states: NDArray[np.uint8]) -> Cuboid | None:
     return None if placement is None else grid.cuboid(placement)
 
 
-def explore(space: DesignSpace) -> tuple[list[Start], int]:
+def explore(
+    space: DesignSpace, workers: Workers, progress: Progress | None = None
+) -> tuple[list[Start], int]:
     """The best few distinct starts, best first, and how many designs were measured."""
-    found = []
-    count = 0
-    for z in candidates(space):
-        count += 1
-        start = start_at(space, z)
-        if start is not None:
-            found.append(start)
+    designs = [tuple(map(float, z)) for z in candidates(space)]
+    found = in_order(workers, MEASURE, space, designs, progress)
+    return _distinct([start for start in found if start is not None]), len(designs)
+
+
+def _distinct(starts: list[Start]) -> list[Start]:
     kept: list[Start] = []
-    for start in sorted(found, key=lambda start: start.merit):
-        if all(np.abs(start.z - other.z).max(initial=0.0) > DISTINCT for other in kept):
+    for start in sorted(starts, key=lambda start: start.merit):
+        if all(_distance(start.place, other.place) > DISTINCT for other in kept):
             kept.append(start)
-    return kept[:KEPT], count
+    return kept[:KEPT]
+
+
+def _distance(one: Place, other: Place) -> float:
+    return float(np.abs(one.design - other.design).max(initial=0.0))

@@ -13,14 +13,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from orthospec.composite.trust_region import FEASIBLE, minimise
-from orthospec.optimise.attain import Attained
-from orthospec.optimise.objective import GoalObjective
+from orthospec.optimise.attain import Attained, Pressure
+from orthospec.optimise.place import Fit, fit_at, fit_finely
+from orthospec.optimise.space import DesignSpace
 from orthospec.result import Limit
 from orthospec.workspace.conditions import Condition
-from orthospec.workspace.fit import FitProblem
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -52,9 +50,10 @@ class _Binding:
     tightened: _Shift | None
 
 
-def find_limits(found: Attained) -> tuple[Limit, ...]:
+def find_limits(space: DesignSpace, found: Attained) -> tuple[Limit, ...]:
     """Each thing that binds at an optimum, with its prices, the largest gain first."""
-    return tuple(sorted((_priced(found, binding) for binding in _bindings(found)), key=_order))
+    fit = fit_finely(space, found.end, found.learnt)
+    return tuple(sorted((_priced(fit, found, binding) for binding in _bindings(fit, found)), key=_order))
 
 
 def _order(limit: Limit) -> tuple[float, float, str, str]:
@@ -63,49 +62,46 @@ def _order(limit: Limit) -> tuple[float, float, str, str]:
     return (-gain, -cost, limit.kind, limit.name)
 
 
-def find_conflicts(found: Attained) -> tuple[Limit, ...]:
+def find_conflicts(space: DesignSpace, found: Attained) -> tuple[Limit, ...]:
     """What conflicts where no feasible point was found: all that has a part in the least violation."""
-    solution, problem = found.solution, found.start.problem
-    if solution is None or solution.rows is None or solution.step is None:
+    pressure = found.pressure
+    if pressure is None:
         return ()
-    shares = problem.shares(solution.rows, solution.step)
-    owners, stop = found.start.objective.owners, solution.rows.half_lines.stop
-    hard = solution.step.shares[stop - len(owners) : stop]
-    whole = float(sum(shares.values()) + hard.sum()) or 1.0
-    at = problem.critical(found.x, ACTIVE - found.violation)
+    whole = sum(share for _, share in (*pressure.conditions, *pressure.goals)) or 1.0
+    problem = fit_finely(space, found.end, found.learnt).problem
+    at = problem.critical(problem.start, ACTIVE - found.violation)
+    by_share = sorted(pressure.conditions, key=lambda item: (-round(item[1] / whole, 6), item[0].name))
     limits = [
         Limit(c.kind, c.name, c.side, tuple(at[c]), None, None)
-        for c, share in sorted(shares.items(), key=lambda item: (-round(item[1] / whole, 6), item[0].name))
+        for c, share in by_share
         if share > PART * whole
     ]
-    goals = {owner for owner, share in zip(owners, hard, strict=True) if share > PART * whole}
+    goals = {owner for owner, share in pressure.goals if share > PART * whole}
     limits += [Limit("goal", owner, None, (), None, None) for owner in sorted(goals)]
-    ends = [binding for binding in _variable_bindings(found) if _pushes(found, binding)]
+    ends = [binding for binding in _variable_bindings(space, found) if _pushes(pressure, binding)]
     return (*limits, *(binding.limit for binding in ends))
 
 
-def _pushes(found: Attained, binding: _Binding) -> bool:
+def _pushes(pressure: Pressure, binding: _Binding) -> bool:
     """Whether the end of a variable's range holds the least violation back."""
-    assert found.solution is not None
-    assert found.solution.step is not None
     assert binding.loosened is not None
     assert binding.loosened.variable is not None
     variable, side, _ = binding.loosened.variable
-    return bool(found.solution.step.on_bounds[variable, side] > 1e-6)
+    return pressure.ends[variable][side] > 1e-6
 
 
-def _bindings(found: Attained) -> Iterator[_Binding]:
-    for condition, poses in found.start.problem.critical(found.x, ACTIVE).items():
+def _bindings(fit: Fit, found: Attained) -> Iterator[_Binding]:
+    for condition, poses in fit.problem.critical(fit.problem.start, ACTIVE).items():
         if poses:
             yield _condition_binding(condition, tuple(poses))
-    yield from _variable_bindings(found)
-    yield from _goal_bindings(found)
+    yield from _variable_bindings(fit.space, found)
+    yield from _goal_bindings(fit, found)
 
 
-def _variable_bindings(found: Attained) -> Iterator[_Binding]:
-    for k, name in enumerate(found.start.space.names):
-        for side, (z, label) in enumerate(((found.z[k], "at_least"), (1 - found.z[k], "at_most"))):
-            if z <= ACTIVE:
+def _variable_bindings(space: DesignSpace, found: Attained) -> Iterator[_Binding]:
+    for k, (name, z) in enumerate(zip(space.names, found.end.z, strict=True)):
+        for side, (room, label) in enumerate(((z, "at_least"), (1 - z, "at_most"))):
+            if room <= ACTIVE:
                 limit = Limit("variable", name, label, (), None, None)
                 sign = (-1.0, 1.0)[side]
                 yield _Binding(
@@ -127,13 +123,13 @@ def _condition_binding(condition: Condition, at: tuple[tuple[float, ...], ...]) 
     return _Binding(limit, _Shift(condition=(condition, looser)), _Shift(condition=(condition, tighter)))
 
 
-def _goal_bindings(found: Attained) -> Iterator[_Binding]:
+def _goal_bindings(fit: Fit, found: Attained) -> Iterator[_Binding]:
     """Goals whose row binds: a soft one at λ, a hard one at its bound. A goal at 0 has no price."""
-    objective, problem = found.start.objective, found.start.problem
-    point = problem.layout.unpack(found.x)
+    objective, problem = fit.objective, fit.problem
+    point = problem.layout.unpack(problem.start)
     rows = objective.rows(problem.machine(point.design), point)
     gaps = rows - objective.on_factor * (found.factor if problem.has_factor else 0.0)
-    goals = {goal.name: abs(goal.goal) for goal in found.start.space.design(found.z).goals}
+    goals = {goal.name: abs(goal.goal) for goal in fit.space.design(point.design).goals}
     binding: dict[str, None] = {}
     for owner, gap in zip(objective.owners, gaps, strict=True):
         if abs(gap) <= ACTIVE * (goals[owner] or 1.0):
@@ -145,10 +141,10 @@ def _goal_bindings(found: Attained) -> Iterator[_Binding]:
         yield _Binding(limit, *moved)
 
 
-def _priced(found: Attained, binding: _Binding) -> Limit:
-    best = found.factor * found.start.objective.unit
-    looser, tighter = (_factor(found, shift) for shift in (binding.loosened, binding.tightened))
-    noise = ROUNDING * found.start.objective.unit
+def _priced(fit: Fit, found: Attained, binding: _Binding) -> Limit:
+    best = found.factor * found.unit
+    looser, tighter = (_factor(fit, found, shift) for shift in (binding.loosened, binding.tightened))
+    noise = ROUNDING * found.unit
     gain = None if looser is None else _price(best - looser, noise)
     cost = None if tighter is None else _price(tighter - best, noise)
     return replace(binding.limit, gain=gain, cost=cost)
@@ -159,28 +155,23 @@ def _price(price: float, noise: float) -> float:
     return price if price > noise else 0.0
 
 
-def _factor(found: Attained, shift: _Shift | None) -> float | None:
+def _factor(fit: Fit, found: Attained, shift: _Shift | None) -> float | None:
     """λ with one thing moved; None where it cannot be moved or nothing feasible is near."""
-    start = found.start
-    if shift is None or not start.problem.has_factor:
+    if shift is None or not fit.problem.has_factor:
         return None
-    moved = dict([shift.goal]) if shift.goal else None
-    objective = GoalObjective(start.space, found.z, moved).like(start.objective)
-    limits = start.problem.layout.limits
+    limits = found.end.limits(fit.space)
     if shift.variable is not None:
         limits = replace(limits, design=_moved(limits.design, *shift.variable))
-    point = start.problem.layout.unpack(found.x)
-    groups = [
-        replace(group, centre=tuple(map(float, centre)))
-        for group, centre in zip(start.problem.groups, point.centres, strict=True)
-    ]
-    z = np.clip(point.design, *limits.design)
-    relaxed = dict([shift.condition]) if shift.condition else None
-    problem = FitProblem(
-        start.space.machine, start.problem.size, groups, objective, limits, (z, point.scale), relaxed
-    )
+    problem = fit_at(
+        fit.space,
+        found.end,
+        found.learnt,
+        limits=limits,
+        shifts=dict([shift.goal]) if shift.goal else None,
+        relaxed=dict([shift.condition]) if shift.condition else None,
+    ).problem
     solved = minimise(problem, problem.start, most=SUBPROBLEMS, radius=0.05)
-    return solved.factor * objective.unit if solved.violation <= FEASIBLE else None
+    return solved.factor * found.unit if solved.violation <= FEASIBLE else None
 
 
 def _moved(box: tuple[Array, Array], variable: int, side: int, step: float) -> tuple[Array, Array]:

@@ -42,6 +42,14 @@ class _Row:
     leader: int | None = None
 
 
+@dataclass(frozen=True)
+class Learnt:
+    """What an objective learns where a solve begins: see `GoalObjective.settle`."""
+
+    sizes: tuple[float, ...]
+    reversed: tuple[Extreme, ...]
+
+
 class GoalObjective:
     """The `Objective` of a spec's goals; the factor is λ over ``unit``, so that it is of order 1.
 
@@ -67,6 +75,11 @@ class GoalObjective:
         self._sizes = np.array([abs(design.goals[row.goal].goal) or 1.0 for row in self._rows])
         self.owners = tuple(design.goals[row.goal].name for row in self._rows)
         self.reversed: frozenset[Extreme] = frozenset()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The design variables, in the order of z."""
+        return self._space.names
 
     @property
     def unit(self) -> float:
@@ -105,10 +118,14 @@ class GoalObjective:
                 found.add(extreme)
         self.reversed = frozenset(found)
 
-    def like(self, other: GoalObjective) -> GoalObjective:
-        """This objective with what another one has learnt at the start."""
-        self._sizes, self.reversed = other._sizes, other.reversed
-        return self
+    @property
+    def learnt(self) -> Learnt:
+        """What was learnt at the start, to be handed on."""
+        return Learnt(tuple(map(float, self._sizes)), tuple(e for e in self.extremes if e in self.reversed))
+
+    def recall(self, learnt: Learnt) -> None:
+        """Take over what another objective of the same goals has learnt at its start."""
+        self._sizes, self.reversed = np.array(learnt.sizes), frozenset(learnt.reversed)
 
     def rows(self, machine: Machine, point: Point) -> Array:
         """The rows g (r,); NaN where a goal has no value."""

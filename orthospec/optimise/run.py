@@ -19,6 +19,7 @@ from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.space import DesignSpace, machine_of, setting_of
+from orthospec.optimise.workers import Here, Workers
 from orthospec.result import Attainment, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
 from orthospec.workspace.evaluate import Evaluation, Setting, evaluate
@@ -77,21 +78,21 @@ def evaluate_spec(
     return Outcome(finding, {"seconds": clock.seconds})
 
 
-def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
+def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | None = None) -> Outcome:
     """Find the design that attains the spec's goals, or the best compromise; say what limits it."""
     if not spec.variables:
         return evaluate_spec(spec, progress=progress)
-    clock, space = _Clock(), DesignSpace(spec)
+    clock, space, doing = _Clock(), DesignSpace(spec), workers or Here()
     try:
-        found = clock.time("optimise", lambda: hunt(space, progress))
+        found = clock.time("optimise", lambda: hunt(space, doing, progress))
     except PluginFault as fault:
         outcome = evaluate_spec(spec, progress=progress)
         errors = (_error(fault), *outcome.finding.errors)
         unique = tuple(dict.fromkeys(errors))
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
     best, stopped = found.best, found.interrupted
-    design = space.design(best.z) if best is not None else spec.design(spec.default_values())
-    prescribed = best.cuboids() if best is not None else None
+    design = space.design(best.end.design) if best is not None else spec.design(spec.default_values())
+    prescribed = best.end.cuboids(space) if best is not None else None
     try:
         setting = setting_of(spec) if not stopped else _quick(spec)
         evaluation, faults = clock.time("evaluate", lambda: _evaluate(design, setting, prescribed, progress))
@@ -104,21 +105,21 @@ def solve(spec: Spec, *, progress: Progress | None = None) -> Outcome:
     sweep: tuple[Finding, ...] = ()
     left_out: tuple[PluginError, ...] = ()
     try:
-        limits = clock.time("limits", lambda: _limits(best, status, progress))
+        limits = clock.time("limits", lambda: _limits(space, best, status, progress))
         if not stopped:
             sweep, left_out = clock.time("sweep", lambda: _sweep(spec, design, progress))
     except KeyboardInterrupt:
         stopped, status = True, "unfinished"
     search = Search(
         found.designs,
-        found.starts,
+        len(found.solved),
         best.subproblems if best is not None else 0,
         None if best is None or best.feasible else float(best.violation),
         _conflicts(best, limits) if status == "infeasible" else (),
     )
     errors = (*faults, *_failed_nodes(evaluation), *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
-    return Outcome(finding, {"seconds": clock.seconds, "solves": found.history}, stopped)
+    return Outcome(finding, {"seconds": clock.seconds, "solves": found.history(space)}, stopped)
 
 
 def fields_of(spec: Spec, design: Design) -> dict[str, Array]:
@@ -203,12 +204,15 @@ def _outcome(goal: Goal, value: float) -> GoalOutcome:
     return GoalOutcome(value, goal.goal, goal.weight, bool(attained))
 
 
-def _limits(best: Attained | None, status: Status, progress: Progress | None) -> tuple[Limit, ...]:
+def _limits(
+    space: DesignSpace, best: Attained | None, status: Status, progress: Progress | None
+) -> tuple[Limit, ...]:
     if best is None or status not in ("attained", "compromise", "infeasible"):
         return ()
     if progress is not None:
         progress("what limits it", 0, 0)
-    return find_conflicts(best) if status == "infeasible" else find_limits(best)
+    find = find_conflicts if status == "infeasible" else find_limits
+    return find(space, best)
 
 
 def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, ...]:

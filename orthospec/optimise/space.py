@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,14 +22,25 @@ REMEMBERED = 64
 
 
 class DesignSpace:
-    """Maps scaled designs z (k,) to designs; building one raises UnbuildableDesign where there is none."""
+    """Maps scaled designs z (k,) to designs; building one raises UnbuildableDesign where there is none.
+
+    It is what every task is handed: a worker process unpacks the space of a spec once, and keeps it.
+    """
 
     def __init__(self, spec: Spec) -> None:
         self.spec, self.setting = spec, setting_of(spec)
         self.names = tuple(spec.variables)
         self.low = np.array([v.min for v in spec.variables.values()], dtype=float)
         self.high = np.array([v.max for v in spec.variables.values()], dtype=float)
-        self._known: dict[bytes, Design] = {}
+        self._remembered = lru_cache(REMEMBERED)(self._build)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled as its spec alone, which stands without any file."""
+        return _unpacked, (self._packed,)
+
+    @cached_property
+    def _packed(self) -> bytes:
+        return pickle.dumps(self.spec)
 
     def values(self, z: Array) -> dict[str, float]:
         """The variables' values, exact at both ends of their ranges."""
@@ -41,16 +54,19 @@ class DesignSpace:
 
     def design(self, z: Array) -> Design:
         """The design at z."""
-        key = z.tobytes()
-        if key not in self._known:
-            if len(self._known) >= REMEMBERED:
-                self._known.pop(next(iter(self._known)))
-            self._known[key] = self.spec.design(self.values(z))
-        return self._known[key]
+        return self._remembered(np.asarray(z, dtype=float).tobytes())
 
     def machine(self, z: Array) -> Machine:
         """The design at z as the workspace sees it."""
         return machine_of(self.design(z))
+
+    def _build(self, key: bytes) -> Design:
+        return self.spec.design(self.values(np.frombuffer(key)))
+
+
+@lru_cache(maxsize=4)
+def _unpacked(packed: bytes) -> DesignSpace:
+    return DesignSpace(pickle.loads(packed))
 
 
 def machine_of(design: Design) -> Machine:
