@@ -15,12 +15,13 @@ import numpy as np
 
 from orthospec.errors import OrthospecError, PluginFault
 from orthospec.optimise.attain import Attained, hunt
+from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.space import DesignSpace, machine_of, setting_of
 from orthospec.optimise.workers import Here, Workers
-from orthospec.result import Attainment, Finding, GoalOutcome, Limit, PluginError, Search, Status
+from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
 from orthospec.workspace.evaluate import Evaluation, Setting, evaluate
 from orthospec.workspace.field import fields
@@ -102,10 +103,13 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     attainment = _attainment(design, evaluation)
     status = "unfinished" if stopped else _status(best, evaluation, attainment, faults)
     limits: tuple[Limit, ...] = ()
+    card: Card | None = None
     sweep: tuple[Finding, ...] = ()
     left_out: tuple[PluginError, ...] = ()
     try:
         limits = clock.time("limits", lambda: _limits(space, best, status, progress))
+        if best is not None and not best.feasible and status == "infeasible":
+            card = clock.time("card", lambda: _card(space, best, limits, progress))
         if not stopped:
             sweep, left_out = clock.time("sweep", lambda: _sweep(spec, design, progress))
     except KeyboardInterrupt:
@@ -116,6 +120,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         best.subproblems if best is not None else 0,
         None if best is None or best.feasible else float(best.violation),
         _conflicts(best, limits) if status == "infeasible" else (),
+        card,
     )
     errors = (*faults, *_failed_nodes(evaluation), *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
@@ -213,6 +218,12 @@ def _limits(
         progress("what limits it", 0, 0)
     find = find_conflicts if status == "infeasible" else find_limits
     return find(space, best)
+
+
+def _card(space: DesignSpace, best: Attained, limits: tuple[Limit, ...], progress: Progress | None) -> Card:
+    if progress is not None:
+        progress("what would have to give way", 0, 0)
+    return find_card(space, best.end, limits)
 
 
 def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, ...]:

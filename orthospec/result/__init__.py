@@ -5,6 +5,8 @@ from orthospec.result.files import check_destination, read_result, spec_of, writ
 from orthospec.result.model import Result
 from orthospec.result.records import (
     Attainment,
+    Card,
+    Culprit,
     Finding,
     GoalOutcome,
     Limit,
@@ -15,6 +17,8 @@ from orthospec.result.records import (
 
 __all__ = [
     "Attainment",
+    "Card",
+    "Culprit",
     "Finding",
     "GoalOutcome",
     "Limit",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
-    from orthospec.result.records import Attainment, Finding, Limit, Search
+    from orthospec.result.records import Attainment, Card, Finding, Limit, Search
     from orthospec.spec import Spec
     from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value
 
@@ -30,7 +30,7 @@ def compose(spec: Spec, finding: Finding) -> dict[str, Any]:
         **_given(attainment=_attainment(finding.attainment)),
         **_design(spec, finding),
         **_given(
-            search=_search(finding.search),
+            search=_search(spec, finding.search),
             sweep=[_design(spec, point) for point in finding.sweep],
             errors=_errors(spec, finding),
         ),
@@ -46,6 +46,10 @@ def _given(**entries: Any) -> dict[str, Any]:
 def _number(value: float) -> float | None:
     """A plain float; no minus zero, since it would be another text for the same number."""
     return float(value) + 0.0 if math.isfinite(value) else None
+
+
+def _known(value: float | None) -> float | None:
+    return None if value is None else _number(value)
 
 
 def _numbers(values: Iterable[float]) -> list[float | None]:
@@ -145,14 +149,14 @@ def _limits(limits: Iterable[Limit]) -> list[dict[str, Any]]:
             "name": limit.name,
             "side": limit.side,
             "at": [_numbers(pose) for pose in limit.at],
-            "gain": None if limit.gain is None else _number(limit.gain),
-            "cost": None if limit.cost is None else _number(limit.cost),
+            "gain": _known(limit.gain),
+            "cost": _known(limit.cost),
         }
         for limit in limits
     ]
 
 
-def _search(search: Search | None) -> dict[str, Any] | None:
+def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
     if search is None:
         return None
     violation = search.least_violation
@@ -163,7 +167,28 @@ def _search(search: Search | None) -> dict[str, Any] | None:
         **_given(
             least_violation=None if violation is None else _number(violation),
             conflicts=list(search.conflicts),
+            card=None if search.card is None else _card(spec, search.card),
         ),
+    }
+
+
+def _card(spec: Spec, card: Card) -> dict[str, Any]:
+    return {
+        "conflict": [
+            {
+                "kind": one.kind,
+                "name": one.name,
+                "side": one.side,
+                "place": _portable(spec, one.place),
+                "value": _known(one.value),
+                "needed": _known(one.needed),
+                "by": _known(one.by),
+            }
+            for one in card.culprits
+        ],
+        "irreducible": card.irreducible,
+        "together": _known(card.together),
+        "scale": _known(card.scale),
     }
 
 

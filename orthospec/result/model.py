@@ -116,6 +116,35 @@ class LimitRecord(_Record):
     """By how much λ rises when this alone is tightened by 1 %."""
 
 
+class CulpritRecord(_Record):
+    """One condition of a conflict."""
+
+    kind: str
+    """bound, joint, variable or goal."""
+    name: str
+    side: str | None = None
+    place: str
+    """FILE:LINE:COLUMN in the spec."""
+    value: float | None = None
+    """As the spec has it."""
+    needed: float | None = None
+    """The nearest value with which a design was found, all else held."""
+    by: float | None = None
+    """How far that is, as a part of the bound or of the variable's range; null where it alone does not do."""
+
+
+class CardRecord(_Record):
+    """Why no design was found: conditions that cannot hold together, the cheapest to loosen first."""
+
+    conflict: list[CulpritRecord] = []
+    irreducible: bool = False
+    """Whether a design was found without each one of them, the others held."""
+    together: float | None = None
+    """The least part by which all of them must be loosened at once."""
+    scale: float | None = None
+    """The scale of the largest cuboid in which everything holds as it is."""
+
+
 class SearchRecord(_Record):
     """What was searched."""
 
@@ -124,6 +153,7 @@ class SearchRecord(_Record):
     subproblems: int
     least_violation: float | None = None
     conflicts: list[str] = []
+    card: CardRecord | None = None
 
 
 class ErrorRecord(_Record):

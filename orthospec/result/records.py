@@ -48,6 +48,36 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Culprit:
+    """One condition of a conflict, and how far it alone would have to give way."""
+
+    kind: Literal["bound", "joint", "variable", "goal"]
+    name: str
+    side: str | None
+    place: str
+    """``FILE:LINE:COLUMN`` in the spec."""
+    value: float | None
+    """As the spec has it, in SI; None where the machine's reach knows it alone."""
+    needed: float | None
+    """The nearest value with which a design was found, all else held."""
+    by: float | None
+    """How far that is: a part of the bound, of the variable's range; None where it alone does not do."""
+
+
+@dataclass(frozen=True)
+class Card:
+    """Why no design was found: conditions that cannot hold together, the cheapest to loosen first."""
+
+    culprits: tuple[Culprit, ...]
+    irreducible: bool
+    """Whether a design was found without each one of them, the others held."""
+    together: float | None
+    """The least part by which all of them must be loosened at once."""
+    scale: float | None
+    """The scale of the largest cuboid in which everything holds as it is."""
+
+
+@dataclass(frozen=True)
 class Search:
     """What was searched; nothing here depends on the machine's load."""
 
@@ -61,6 +91,8 @@ class Search:
     """Of the best point found; None where everything holds."""
     conflicts: tuple[str, ...] = ()
     """Sentences that name what conflicts, where no design was found."""
+    card: Card | None = None
+    """The conflict taken apart, where no design was found."""
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,7 @@ class _Writer:
         self._workspace()
         self._measures()
         self._limits()
+        self._card()
         self._sweep()
         self._errors()
 
@@ -186,6 +187,21 @@ class _Writer:
         free = [words.limiting(one, self.known, self.numbers) for one in words.free(self.result.limits)]
         if free:
             self.page.sentence(f"reached too, without gain or cost: {'; '.join(free)}")
+
+    def _card(self) -> None:
+        """The conflict taken apart: each condition, its place, and by how much it would have to give way."""
+        card = self.result.search.card if self.result.search else None
+        if card is None:
+            return
+        if card.conflict:
+            few = "; without any one of them a design was found" if card.irreducible else ""
+            self.page.heading("What would have to give way")
+            self.page.sentence(f"These cannot all hold{few}.")
+        for one in card.conflict:
+            said, way = words.way_out(one, self.known, self.numbers)
+            self.page.sentence(f"{said} ({one.place})")
+            self.page.sentence(way, indent=4)
+        self.page.sentence(words.ways_out(card))
 
     def _sweep(self) -> None:
         sweep = self.result.sweep

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from orthospec.result import Result
-from orthospec.result.model import DesignRecord, LimitRecord, SearchRecord
+from orthospec.result.model import CardRecord, CulpritRecord, DesignRecord, LimitRecord, SearchRecord
 from orthospec.show import machine
 from orthospec.show.labels import Aim, Asked, Labels
 from orthospec.show.numbers import UNKNOWN, Numbers, percent
@@ -145,6 +145,33 @@ def price(limit: LimitRecord) -> str:
     looser = _moved(limit.gain, "no gain", "λ falls by")
     tighter = _moved(limit.cost, "no cost", "λ rises by")
     return f"1 % looser: {looser}; 1 % tighter: {tighter}"
+
+
+def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[str, str]:
+    """A condition of a conflict, and by how much it alone would have to give way."""
+    said = limiting(LimitRecord(kind=culprit.kind, name=culprit.name, side=culprit.side), known, numbers)
+    if culprit.by is None:
+        return said, "loosening it alone does not do"
+    whole = {"variable": "of its range", "goal": "of the goal"}.get(culprit.kind, "")
+    part = f"by {percent(culprit.by)} {whole}".rstrip()
+    if culprit.needed is None:
+        return said, f"alone: {part}"
+    unit = {
+        "variable": known.variables.get(culprit.name, UNKNOWN),
+        "bound": known.measures[culprit.name].unit if culprit.name in known.measures else UNKNOWN,
+        "goal": known.goals[culprit.name].unit if culprit.name in known.goals else UNKNOWN,
+    }.get(culprit.kind, UNKNOWN)
+    return said, f"alone: to {numbers.value(culprit.needed, unit)}, {part}"
+
+
+def ways_out(card: CardRecord) -> str:
+    """What else would do."""
+    ways = []
+    if card.together is not None:
+        ways.append(f"all of these by {percent(card.together)}")
+    if card.scale is not None:
+        ways.append(f"a cuboid of {100 * card.scale:.4g} % of the size")
+    return f"Or: {', or '.join(ways)}." if ways else ""
 
 
 def _moved(change: float | None, nothing: str, moves: str) -> str:

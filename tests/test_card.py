@@ -1,0 +1,123 @@
+"""The infeasibility card: against closed forms of the Orthoglide, and the loosened problem solved anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from orthospec.optimise import solve
+from orthospec.optimise.attain import hunt
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
+from orthospec.result import compose
+from orthospec.show import show
+
+SHORT = """\
+orthospec: 1
+variables: {leg: {min: 100 mm, max: 300 mm, start: 280 mm}}
+manipulator: {use: orthoglide, leg_lengths: [leg, leg, leg]}
+workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 10}
+measures: {transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2}}
+optimise: {starts: 1}
+"""
+JOINTS = """\
+orthospec: 1
+variables: {leg: {min: 320 mm, max: 500 mm, start: 340 mm}}
+manipulator: {use: orthoglide, leg_lengths: [leg, leg, leg], joint_limits: {max: 380 mm}}
+workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 10}
+measures: {transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2}}
+goals: {long: {maximise: leg, goal: 340 mm, weight: 0}}
+optimise: {starts: 1}
+"""
+
+
+def least_leg(most):
+    """The shortest equal legs for a 200 mm cube with transmission factors in [0.5, most], most >= 2."""
+    u, v = (1 - 1 / most) / 2, 0.5
+    return 0.2 / (v / np.sqrt(1 + 2 * v * v) + u / np.sqrt(1 + 2 * u * u))
+
+
+def culprits(finding):
+    return {(one.kind, one.name, one.side): one for one in finding.search.card.culprits}
+
+
+@pytest.fixture(scope="module")
+def short(spec_of):
+    spec = spec_of(SHORT)
+    return spec, solve(spec).finding
+
+
+def test_the_conflict_is_the_smallest_one_and_says_so(short):
+    """The lower bound takes part in the least violation, but legs and upper bound conflict without it."""
+    card = short[1].search.card
+    assert set(culprits(short[1])) == {
+        ("variable", "leg", "at_most"),
+        ("bound", "transmission", "at_most"),
+    }
+    assert card.irreducible
+
+
+def test_each_loosening_alone_is_the_closed_form(short):
+    found = culprits(short[1])
+    leg, bound = found["variable", "leg", "at_most"], found["bound", "transmission", "at_most"]
+    assert leg.needed == pytest.approx(least_leg(2.0), rel=1e-7)
+    assert leg.by == pytest.approx((least_leg(2.0) - 0.3) / 0.2, rel=1e-6)
+    wanted = brentq(lambda most: least_leg(most) - 0.3, 2, 3, xtol=1e-14)
+    assert bound.needed == pytest.approx(wanted, rel=1e-7)
+    assert bound.by == pytest.approx(wanted / 2 - 1, rel=1e-6)
+
+
+def test_all_loosened_by_one_part_is_less_than_each_alone(short):
+    part = brentq(lambda part: least_leg(2 * (1 + part)) - 0.3 - 0.2 * part, 0, 0.1, xtol=1e-14)
+    assert short[1].search.card.together == pytest.approx(part, rel=1e-6)
+
+
+def test_the_cuboid_that_would_do_is_the_prescribed_one_to_scale(short):
+    assert short[1].search.card.scale == pytest.approx(0.3 / least_leg(2.0), rel=1e-7)
+
+
+def test_the_cheapest_comes_first_and_each_has_its_place(short):
+    first, second = short[1].search.card.culprits
+    assert first.by < second.by
+    assert first.place.endswith("spec.yaml:2:32")
+    assert second.place.endswith("spec.yaml:5:70")
+
+
+@pytest.mark.parametrize(("part", "enough"), [(0.9999, False), (1.0001, True)])
+def test_a_loosening_is_just_enough(short, spec_of, part, enough):
+    for one in short[1].search.card.culprits:
+        key = "variables.leg.max" if one.kind == "variable" else "measures.transmission.at_most"
+        value = one.value + part * (one.needed - one.value)
+        best = hunt(DesignSpace(spec_of(SHORT, f"{key}={value!r}")), Here()).best
+        assert best.feasible is enough
+
+
+def test_joint_limits_count_as_one_and_what_is_not_enough_alone_says_so(spec_of):
+    """At 340 mm the slides go to 0.2 + L(1 - 1/√6); no upper bound on the factors makes them stop earlier."""
+    found = culprits(solve(spec_of(JOINTS)).finding)
+    limit = found["joint", "joint_limits", "at_most"]
+    assert limit.by == pytest.approx((0.2 + 0.34 * (1 - 1 / np.sqrt(6))) / 0.38 - 1, rel=1e-6)
+    assert limit.needed is None
+    assert {one.by for key, one in found.items() if key[0] == "bound"} <= {None}
+
+
+def test_a_hard_goal_that_asks_too_much_is_told_with_the_value_that_can_be_had(spec_of):
+    text = SHORT.replace("max: 300 mm", "max: 400 mm")
+    text += "goals: {legs: {minimise: leg, goal: 300 mm, weight: 0}}\n"
+    goal = culprits(solve(spec_of(text)).finding)["goal", "legs", None]
+    assert goal.needed == pytest.approx(least_leg(2.0), rel=1e-7)
+    assert goal.place.endswith("spec.yaml:7:31")
+
+
+def test_where_a_design_is_found_there_is_no_card(spec_of):
+    assert solve(spec_of(SHORT, "variables.leg.max=400 mm")).finding.search.card is None
+
+
+def test_the_card_is_shown_with_places_values_and_ways_out(short):
+    spec, finding = short
+    text = " ".join(show(compose(spec, finding), width=100, colour=False, spec=spec).split())
+    assert "These cannot all hold; without any one of them a design was found." in text
+    assert "variable leg: at most 300 mm (spec.yaml:2:32) alone: to 310.583 mm, by 5.3 % of its range" in text
+    assert "measure transmission: at most 2 (spec.yaml:5:70) alone: to 2.24843, by 12 %" in text
+    assert "Or: all of these by 3.6 %, or a cuboid of 96.59 % of the size." in text
