@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orthospec.measures import Demand, Level
-from orthospec.measures.demand import bounded_side, excess
+from orthospec.measures.demand import LITTLE, bounded_side, excess
 from orthospec.measures.kinematic import ConditionNumber, VelocityTransmission
 
 positive = st.floats(1e-6, 1e6)
@@ -60,7 +60,17 @@ def test_a_level_keeps_the_measure_and_place():
 def test_excess_of_positive_values_is_the_logarithm_of_the_ratio(value, bound):
     values = np.array([value])
     assert excess(values, bound, "at_most")[0] == pytest.approx(np.log(value / bound), abs=1e-12)
-    assert excess(values, bound, "at_least")[0] == pytest.approx(np.log(bound / value), abs=1e-12)
+    if value >= LITTLE * bound:
+        assert excess(values, bound, "at_least")[0] == pytest.approx(np.log(bound / value), abs=1e-12)
+
+
+def test_excess_goes_on_straight_where_a_value_is_little_or_negative():
+    values = 3.0 * LITTLE * np.array([1 + 1e-6, 1.0, 1 - 1e-6, 0.5, -0.5, -1000.0, 0.0])
+    found = excess(values, 3.0, "at_least")
+    slopes = np.diff(found[:3]) / np.diff(values[:3])
+    assert slopes[0] == pytest.approx(slopes[1], rel=1e-5)
+    np.testing.assert_allclose(found[3:6], -np.log(LITTLE) + np.array([0.5, 1.5, 1001.0]), rtol=1e-12)
+    assert np.isinf(found[6])
 
 
 @given(st.floats(-1e6, 1e6), bounds, st.sampled_from(["at_least", "at_most"]))

@@ -151,7 +151,16 @@ def test_a_machine_that_its_actuators_cannot_hold_has_no_acceleration_to_give(ba
     machine = machine_with(np.eye(3)[None], 2 * np.eye(3)[None], force=10.0, friction=1.0, rest=(0, 0, 13.0))
     measure = Acceleration(ball=ball)
     assert value_of(measure, machine) == pytest.approx(-2.0)
-    assert np.isnan(measure.form(machine, POSE, "at_least").inside).any()
+    held, weaker = (
+        measure.form(
+            machine_with(np.eye(3)[None], 2 * np.eye(3)[None], force=10.0, friction=1.0, rest=(0, 0, load)),
+            POSE,
+            "at_least",
+        ).inside
+        for load in (8.99, 13.0)
+    )
+    assert np.isfinite([held, weaker]).all()
+    assert np.min(weaker) < np.min(held) - 10
 
 
 @settings(max_examples=50, deadline=None)

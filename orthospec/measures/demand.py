@@ -12,6 +12,8 @@ from orthospec.measures.base import Measure
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags
 
+LITTLE = 1e-3
+"""The part of a lower bound below which a value's distance from it is no more told by their ratio."""
 ROUNDING = 1e-12
 """A bound holds within this, relative: designs end on their bounds, and the last bit must not decide."""
 
@@ -58,7 +60,9 @@ def bounded_side(values: Array, side: str) -> Array:
 def excess(values: Array, bound: float, side: str) -> Array:
     """How far a bound is exceeded (n,), <= 0 where it holds: ln of the ratio where both are positive.
 
-    Elsewhere the difference over the bound's magnitude (over 1 for a bound of 0). NaN stays NaN.
+    Elsewhere the difference over the bound's magnitude (over 1 for a bound of 0). NaN stays NaN. Below a
+    positive lower bound the logarithm goes on straight from `LITTLE` of it: a value may be negative where an
+    actuator cannot hold the machine, and a search has to find its way out. No factor makes 0 meet it: inf.
     """
     sign = 1.0 if side == "at_most" else -1.0
     bounded = bounded_side(values, side)
@@ -67,4 +71,7 @@ def excess(values: Array, bound: float, side: str) -> Array:
         return difference
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = sign * np.log(bounded / bound)
-    return np.where(bounded <= 0, difference if side == "at_most" else np.inf, ratio)
+        straight = 1.0 - np.log(LITTLE) - bounded / (LITTLE * bound)
+    if side == "at_most":
+        return np.where(bounded <= 0, difference, ratio)
+    return np.where(bounded == 0, np.inf, np.where(bounded < LITTLE * bound, straight, ratio))

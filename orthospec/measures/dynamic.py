@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 
 UNLIMITED = 1e30
 """Stands for the limit of an actuator that has none, in a logarithm."""
+WEAK = 0.01
+"""Part of an actuator's limit below which what is left of its force is not told by its logarithm."""
+FADED = 500.0
+"""Where the exponential that goes on from there ends."""
 SINGULAR = 1e-12
 """Below this determinant of J⁻¹, relative to the lengths of its rows, the pose is singular to rounding."""
 SMALL_ROW = 1e-9
@@ -113,13 +117,13 @@ class Acceleration(Measure):
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """min ln((τ_i^max − f_i ∓ g_i) / ‖r_i‖) >= ln b; λ_min(−½ ln AᵀA) of A = diag(1/t) D J⁻¹."""
         rows = _force_rows(manipulator, poses)
-        left = np.minimum(_forces_left(manipulator, poses), UNLIMITED)
+        limits = np.minimum(manipulator.actuator_limits().forces, UNLIMITED)[:, None]
+        left = _positive(np.minimum(_forces_left(manipulator, poses), UNLIMITED) / limits) * limits
         with np.errstate(divide="ignore", invalid="ignore"):
             if self.ball == "box":
                 room = np.log(left) - _row_logarithms(rows)[:, :, None]
                 return forms.least_entry(room.reshape(len(rows), -1))
-            least = left.min(axis=2)
-            gram = _gram(rows, np.where(least > 0, least, np.nan))
+            gram = _gram(rows, left.min(axis=2))
         return forms.least_eigenvalue(-0.5 * forms.semidefinite_logarithm(gram))
 
 
@@ -240,7 +244,7 @@ def _or_if_singular(worst: float, values: Array, manipulator: Manipulator, poses
     if not len(unknown):
         return values
     inverse = manipulator.inverse_jacobian(poses)[unknown]
-    with np.errstate(invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         volume = np.linalg.norm(inverse, axis=2).prod(axis=1)
         singular = np.abs(np.linalg.det(inverse)) <= SINGULAR * volume
     found = values.copy()
@@ -260,6 +264,15 @@ def _forces_left(manipulator: Manipulator, poses: Poses) -> Array:
     with np.errstate(invalid="ignore"):
         rest = manipulator.rest_load(poses)
         return (limits.forces - limits.friction)[:, None] + np.stack([-rest, rest], axis=2)
+
+
+def _positive(part: Array) -> Array:
+    """What is left of a force, as a part of its limit; below `WEAK` it goes on as an exponential.
+
+    So its logarithm is smooth, and falls, where an actuator cannot hold the machine.
+    """
+    fading = WEAK * np.exp(np.clip(part / WEAK, -FADED, 1.0) - 1.0)
+    return np.where(part < WEAK, fading, part)
 
 
 def _gram(rows: Matrices, left: Array) -> Matrices:
