@@ -10,7 +10,8 @@ import json
 import os
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TextIO
 
@@ -18,9 +19,10 @@ import typer
 
 from orthospec.errors import OrthospecError, UsageError
 from orthospec.guard import DONE, NOT_MET, PLUGIN, STOPPED, exit_code, say
+from orthospec.threads import one_blas_thread
 
 if TYPE_CHECKING:
-    from orthospec.optimise import Outcome
+    from orthospec.optimise import Outcome, Workers
     from orthospec.spec import Spec
 
 WIDEST = 100
@@ -47,6 +49,20 @@ Settings = Annotated[
 Fields = Annotated[
     bool, typer.Option("--fields", help="Keep the measures' values on the grid too, in fields.npz.")
 ]
+Jobs = Annotated[
+    int, typer.Option("--jobs", metavar="N", min=1, help="Do what is independent in N processes.")
+]
+On = Annotated[
+    str | None,
+    typer.Option("--on", metavar="URL", help="Do it on the workers of a Dask scheduler, tcp://HOST:8786."),
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option("--cache", metavar="DIR", help="Keep what was done there; your cache folder if not given."),
+]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on after a run that was stopped; tell what is done already.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs to read.")]
 
 
@@ -55,6 +71,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
+    one_blas_thread()
     app()
 
 
@@ -112,6 +129,10 @@ def run(
     ] = None,
     settings: Settings = None,
     fields: Fields = False,
+    jobs: Jobs = 1,
+    on: On = None,
+    resume: Resume = False,
+    cache: Folder = None,
     as_json: Json = False,
 ) -> int:
     """Find the best design and write a result folder.
@@ -127,8 +148,8 @@ def run(
     problem = load_spec(Path(spec), settings or [])
     folder = out or Path("runs") / ("stdin" if spec == "-" else Path(spec).stem)
     check_destination(folder)
-    with ProgressLine(sys.stderr) as progress:
-        outcome = solve(problem, progress=progress)
+    with ProgressLine(sys.stderr) as progress, _workers(jobs, on, cache, resume) as workers:
+        outcome = solve(problem, progress=progress, workers=workers)
     return _hand_over(problem, outcome, folder, fields, as_json)
 
 
@@ -166,6 +187,10 @@ def evaluate(
         Path | None, typer.Option("-o", "--out", metavar="DIR", help="Write a result folder too.")
     ] = None,
     fields: Fields = False,
+    jobs: Jobs = 1,
+    on: On = None,
+    resume: Resume = False,
+    cache: Folder = None,
     as_json: Json = False,
 ) -> int:
     """Measure one design: its cuboids, indices and extremes."""
@@ -180,8 +205,8 @@ def evaluate(
         check_destination(out)
     elif fields:
         raise UsageError("--fields writes into a result folder: give one with -o DIR")
-    with ProgressLine(sys.stderr) as progress:
-        outcome = evaluate_spec(problem, values, progress=progress)
+    with ProgressLine(sys.stderr) as progress, _workers(jobs, on, cache, resume) as workers:
+        outcome = evaluate_spec(problem, values, progress=progress, workers=workers)
     return _hand_over(problem, outcome, out, fields, as_json)
 
 
@@ -230,6 +255,17 @@ def schema() -> int:
 
     _print_json(content())
     return DONE
+
+
+@contextmanager
+def _workers(jobs: int, on: str | None, cache: Path | None, resume: bool) -> Iterator[Workers]:
+    """Whoever does the tasks, and keeps what was done for the next run."""
+    from orthospec.optimise import hired, remembering
+
+    with hired(jobs, on) as workers, remembering(workers, cache) as keeping:
+        yield keeping
+    if resume:
+        say(f"resumed: {keeping.known} of {keeping.asked} steps were done already")
 
 
 def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, fields: bool, as_json: bool) -> int:

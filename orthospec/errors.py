@@ -11,7 +11,10 @@ from dataclasses import dataclass
 
 
 class OrthospecError(Exception):
-    """Base of all that orthospec raises on purpose; its text is for the user."""
+    """Base of all that orthospec raises on purpose; its text is for the user.
+
+    What an error is made from stands in ``args``, so that it crosses from one process to another unharmed.
+    """
 
     exit_code = 1
 
@@ -38,7 +41,11 @@ class SpecError(OrthospecError):
 
     def __init__(self, mistakes: Sequence[Mistake]) -> None:
         self.mistakes = tuple(sorted(mistakes))
-        super().__init__("\n".join(str(mistake) for mistake in self.mistakes))
+        super().__init__(self.mistakes)
+
+    def __str__(self) -> str:
+        """One mistake a line."""
+        return "\n".join(str(mistake) for mistake in self.mistakes)
 
 
 class UsageError(OrthospecError):
@@ -58,8 +65,12 @@ class UnbuildableDesign(OrthospecError):
     def __init__(self, values: dict[str, float], reason: str) -> None:
         self.values = dict(values)
         self.reason = reason
-        at = ", ".join(f"{name} = {value:.10g}" for name, value in values.items())
-        super().__init__(f"no machine can be built at {at or 'these values'}: {reason}")
+        super().__init__(self.values, reason)
+
+    def __str__(self) -> str:
+        """Where there is no machine, and why."""
+        at = ", ".join(f"{name} = {value:.10g}" for name, value in self.values.items())
+        return f"no machine can be built at {at or 'these values'}: {self.reason}"
 
 
 class PluginFault(OrthospecError):
@@ -71,4 +82,24 @@ class PluginFault(OrthospecError):
         self.plugin = plugin
         self.what = what
         self.place = place
-        super().__init__(f"{place + ': ' if place else ''}plugin {plugin}: {what}")
+        super().__init__(plugin, what, place)
+
+    def __str__(self) -> str:
+        """Which plugin, and what it did."""
+        return f"{self.place + ': ' if self.place else ''}plugin {self.plugin}: {self.what}"
+
+
+class WorkersLost(OrthospecError):
+    """The processes that were to do a task died, and so did those begun in their place."""
+
+    def __init__(self, task: str, attempts: int) -> None:
+        self.task = task
+        self.attempts = attempts
+        super().__init__(task, attempts)
+
+    def __str__(self) -> str:
+        """What was being done, and what may be the reason."""
+        return (
+            f"the worker processes died {self.attempts} times ({self.task}): there may be too little memory"
+            " for so many, so try fewer --jobs"
+        )

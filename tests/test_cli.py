@@ -56,7 +56,7 @@ def _orthospec(*arguments: str, code: int = 0, text: str | None = None) -> Any:
 def _solving(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> None:
     """Let `solve` give the start, with these fields changed: statuses without the work."""
 
-    def solve(problem: Any, *, progress: Any) -> Outcome:
+    def solve(problem: Any, *, progress: Any, workers: Any) -> Outcome:  # noqa: ARG001
         progress("grid", 1, 2)
         outcome = evaluate_spec(problem)
         interrupted = changes.get("status") == "unfinished"

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orthospec.composite.trust_region import FEASIBLE, Assessment, Iterate, Solution, minimise
-from orthospec.optimise.explore import Start, explore
+from orthospec.optimise.explore import explore
 from orthospec.optimise.objective import Learnt
 from orthospec.optimise.place import Fit, Place, fit_at
 from orthospec.optimise.space import DesignSpace
-from orthospec.optimise.tasks import Stopped, Task
-from orthospec.optimise.workers import Workers
-from orthospec.workspace.conditions import Condition
+from orthospec.optimise.tasks import Stopped, Task, problem_of
+from orthospec.optimise.workers import Workers, counted
+from orthospec.workspace.conditions import Condition, Extreme
 from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
-from orthospec.workspace.fit import FitProblem
+from orthospec.workspace.fit import FitProblem, Group
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -100,7 +100,7 @@ class Hunt:
         ]
 
 
-def attain(space: DesignSpace, place: Place) -> Attained:
+def attain(space: DesignSpace, place: Place, progress: Progress | None = None) -> Attained:
     """Solve from one place."""
     fit = fit_at(space, place)
     problem = fit.problem
@@ -111,6 +111,8 @@ def attain(space: DesignSpace, place: Place) -> Attained:
         nonlocal here
         here = now
         iterates.append(iterate)
+        if progress is not None:
+            progress(f"subproblem {iterate.subproblems}", 0, 0)
 
     try:
         found = minimise(problem, problem.start, on_iterate=follow)
@@ -129,7 +131,8 @@ def attain(space: DesignSpace, place: Place) -> Attained:
     return _attained(fit, confirmed, spent, iterates, found)
 
 
-ATTAIN = Task("solving from the best starts", attain)
+_PARTS = (Attained, Place, Group, Learnt, Extreme, Iterate, Pressure, Condition)
+ATTAIN = Task("solving from the best starts", attain, problem_of, _PARTS)
 
 
 def _attained(
@@ -181,7 +184,9 @@ def hunt(space: DesignSpace, workers: Workers, progress: Progress | None = None)
     state = Hunt()
     try:
         starts, state.designs = explore(space, workers, progress)
-        _solve(space, workers, starts, state, progress)
+        places = [start.place for start in starts]
+        for number, found in counted(workers, ATTAIN, space, places, progress):
+            state.solved[number] = found
     except Stopped as stopped:
         state.interrupted = True
         if isinstance(stopped.made, Attained):
@@ -189,18 +194,6 @@ def hunt(space: DesignSpace, workers: Workers, progress: Progress | None = None)
     except KeyboardInterrupt:
         state.interrupted = True
     return state
-
-
-def _solve(
-    space: DesignSpace, workers: Workers, starts: list[Start], state: Hunt, progress: Progress | None
-) -> None:
-    places = [start.place for start in starts]
-    if progress is not None:
-        progress(ATTAIN.name, 0, len(places))
-    for number, found in workers.each(ATTAIN, space, places):
-        state.solved[number] = found
-        if progress is not None:
-            progress(ATTAIN.name, len(state.solved), len(places))
 
 
 def _snapped(problem: FitProblem, x: Array) -> Array:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from orthospec.errors import UnbuildableDesign, UsageError
 from orthospec.optimise.objective import scale_is_asked
 from orthospec.optimise.place import Place, fit_at
 from orthospec.optimise.space import DesignSpace, machine_of
-from orthospec.optimise.tasks import Task
+from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Workers, in_order
 from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
 from orthospec.workspace.evaluate import Setting
@@ -61,7 +61,7 @@ def candidates(space: DesignSpace) -> Iterator[Array]:
         yield np.asarray((shift + i * pace) % 1.0)
 
 
-def start_at(space: DesignSpace, z: tuple[float, ...]) -> Start | None:
+def start_at(space: DesignSpace, z: tuple[float, ...], _: Progress | None = None) -> Start | None:
     """Where to solve from with a design, its cuboids placed by a coarse grid; None where there is no start.
 
     Where the prescribed cuboid leaves the reach, the grid's own is taken, with its scale as a variable and
@@ -90,7 +90,11 @@ def start_at(space: DesignSpace, z: tuple[float, ...]) -> Start | None:
     return None
 
 
-MEASURE = Task("designs on the coarse grid", start_at)
+def _problem_on_grid(content: Mapping[str, Any]) -> dict[str, Any]:
+    return {**problem_of(content), "divisions": min(content["workspace"]["divisions"], COARSE)}
+
+
+MEASURE = Task("designs on the coarse grid", start_at, _problem_on_grid, (Start, Place, Group))
 
 
 def _judged(space: DesignSpace, place: Place) -> Start:

@@ -9,16 +9,20 @@ solver's multipliers, which are not unique there, are neither.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from orthospec.composite.trust_region import FEASIBLE, minimise
 from orthospec.optimise.attain import Attained, Pressure
-from orthospec.optimise.place import Fit, fit_at, fit_finely
+from orthospec.optimise.objective import Learnt
+from orthospec.optimise.place import Fit, Place, fit_at, fit_finely
 from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Task, problem_of
+from orthospec.optimise.workers import Workers, in_order
 from orthospec.result import Limit
 from orthospec.workspace.conditions import Condition
+from orthospec.workspace.field import Progress
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -50,10 +54,28 @@ class _Binding:
     tightened: _Shift | None
 
 
-def find_limits(space: DesignSpace, found: Attained) -> tuple[Limit, ...]:
+@dataclass(frozen=True)
+class _Move:
+    """One thing moved at the end of a solve."""
+
+    end: Place
+    learnt: Learnt
+    shift: _Shift
+
+
+def find_limits(
+    space: DesignSpace, found: Attained, workers: Workers, progress: Progress | None = None
+) -> tuple[Limit, ...]:
     """Each thing that binds at an optimum, with its prices, the largest gain first."""
     fit = fit_finely(space, found.end, found.learnt)
-    return tuple(sorted((_priced(fit, found, binding) for binding in _bindings(fit, found)), key=_order))
+    bindings = list(_bindings(fit, found))
+    shifts = [shift for binding in bindings for shift in (binding.loosened, binding.tightened)]
+    movable = list(dict.fromkeys(shift for shift in shifts if shift is not None and fit.problem.has_factor))
+    moves = [_Move(found.end, found.learnt, shift) for shift in movable]
+    factors: dict[_Shift | None, float | None] = dict(
+        zip(movable, in_order(workers, PRICE, space, moves, progress), strict=True)
+    )
+    return tuple(sorted((_priced(found, binding, factors) for binding in bindings), key=_order))
 
 
 def _order(limit: Limit) -> tuple[float, float, str, str]:
@@ -141,12 +163,12 @@ def _goal_bindings(fit: Fit, found: Attained) -> Iterator[_Binding]:
         yield _Binding(limit, *moved)
 
 
-def _priced(fit: Fit, found: Attained, binding: _Binding) -> Limit:
+def _priced(found: Attained, binding: _Binding, factors: Mapping[_Shift | None, float | None]) -> Limit:
     best = found.factor * found.unit
-    looser, tighter = (_factor(fit, found, shift) for shift in (binding.loosened, binding.tightened))
+    looser, tighter = (factors.get(shift) for shift in (binding.loosened, binding.tightened))
     noise = ROUNDING * found.unit
-    gain = None if looser is None else _price(best - looser, noise)
-    cost = None if tighter is None else _price(tighter - best, noise)
+    gain = None if looser is None else _price(best - looser * found.unit, noise)
+    cost = None if tighter is None else _price(tighter * found.unit - best, noise)
     return replace(binding.limit, gain=gain, cost=cost)
 
 
@@ -155,23 +177,24 @@ def _price(price: float, noise: float) -> float:
     return price if price > noise else 0.0
 
 
-def _factor(fit: Fit, found: Attained, shift: _Shift | None) -> float | None:
-    """λ with one thing moved; None where it cannot be moved or nothing feasible is near."""
-    if shift is None or not fit.problem.has_factor:
-        return None
-    limits = found.end.limits(fit.space)
+def factor_moved(space: DesignSpace, move: _Move, _: Progress | None = None) -> float | None:
+    """The factor with one thing moved; None where nothing feasible is near."""
+    shift, limits = move.shift, move.end.limits(space)
     if shift.variable is not None:
         limits = replace(limits, design=_moved(limits.design, *shift.variable))
     problem = fit_at(
-        fit.space,
-        found.end,
-        found.learnt,
+        space,
+        move.end,
+        move.learnt,
         limits=limits,
         shifts=dict([shift.goal]) if shift.goal else None,
         relaxed=dict([shift.condition]) if shift.condition else None,
     ).problem
     solved = minimise(problem, problem.start, most=SUBPROBLEMS, radius=0.05)
-    return solved.factor * found.unit if solved.violation <= FEASIBLE else None
+    return float(solved.factor) if solved.violation <= FEASIBLE else None
+
+
+PRICE = Task("what limits it", factor_moved, problem_of)
 
 
 def _moved(box: tuple[Array, Array], variable: int, side: int, step: float) -> tuple[Array, Array]:

@@ -13,23 +13,23 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from orthospec.errors import OrthospecError, PluginFault
+from orthospec.errors import PluginFault
+from orthospec.optimise.appraise import SWEEP, Asked, appraised, asked, error_of
 from orthospec.optimise.attain import Attained, hunt
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
-from orthospec.optimise.space import DesignSpace, machine_of, setting_of
-from orthospec.optimise.workers import Here, Workers
+from orthospec.optimise.space import DesignSpace, setting_of
+from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
-from orthospec.workspace.evaluate import Evaluation, Setting, evaluate
+from orthospec.workspace.evaluate import Evaluation
 from orthospec.workspace.field import fields
 from orthospec.workspace.grid import make_grid
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
-    from orthospec.workspace.cuboid import Cuboid
     from orthospec.workspace.field import Progress
 
 ATTAINED = 1e-9
@@ -62,56 +62,66 @@ class _Clock:
 
 
 def evaluate_spec(
-    spec: Spec, values: Mapping[str, float] | None = None, *, progress: Progress | None = None
+    spec: Spec,
+    values: Mapping[str, float] | None = None,
+    *,
+    progress: Progress | None = None,
+    workers: Workers | None = None,
 ) -> Outcome:
     """Evaluate one design: at these values of the variables, else at their start.
 
     Raises UnbuildableDesign where there is no machine at the values.
     """
-    clock = _Clock()
+    clock, space, doing = _Clock(), DesignSpace(spec), workers or Here()
     design = spec.design(spec.default_values() if values is None else values)
-    evaluation, faults = clock.time("evaluate", lambda: _evaluate(design, setting_of(spec), None, progress))
-    sweep, left_out = clock.time("sweep", lambda: _sweep(spec, design, progress))
-    status: Status = "failed" if faults else "evaluated"
+    one = asked(design, spec.workspace.divisions)
+    evaluation, known = clock.time("evaluate", lambda: appraised(doing, space, one, progress))
+    sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
+    status: Status = "failed" if known.faults else "evaluated"
     attainment = _attainment(design, evaluation)
-    errors = (*faults, *_failed_nodes(evaluation), *left_out)
-    finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=errors)
+    finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=(*known.errors, *left_out))
     return Outcome(finding, {"seconds": clock.seconds})
 
 
 def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | None = None) -> Outcome:
-    """Find the design that attains the spec's goals, or the best compromise; say what limits it."""
+    """Find the design that attains the spec's goals, or the best compromise; say what limits it.
+
+    ``workers`` do what is independent: this process if none are given.
+    """
+    doing = workers or Here()
     if not spec.variables:
-        return evaluate_spec(spec, progress=progress)
-    clock, space, doing = _Clock(), DesignSpace(spec), workers or Here()
+        return evaluate_spec(spec, progress=progress, workers=doing)
+    clock, space = _Clock(), DesignSpace(spec)
     try:
         found = clock.time("optimise", lambda: hunt(space, doing, progress))
     except PluginFault as fault:
-        outcome = evaluate_spec(spec, progress=progress)
-        errors = (_error(fault), *outcome.finding.errors)
+        outcome = evaluate_spec(spec, progress=progress, workers=doing)
+        errors = (error_of(fault), *outcome.finding.errors)
         unique = tuple(dict.fromkeys(errors))
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
     best, stopped = found.best, found.interrupted
     design = space.design(best.end.design) if best is not None else spec.design(spec.default_values())
     prescribed = best.end.cuboids(space) if best is not None else None
+    quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
+    one = quick if stopped else asked(design, spec.workspace.divisions, prescribed)
     try:
-        setting = setting_of(spec) if not stopped else _quick(spec)
-        evaluation, faults = clock.time("evaluate", lambda: _evaluate(design, setting, prescribed, progress))
+        by = Here() if stopped else doing
+        evaluation, known = clock.time("evaluate", lambda: appraised(by, space, one, progress))
     except KeyboardInterrupt:
         stopped = True
-        evaluation, faults = _evaluate(design, _quick(spec), prescribed, None)
+        evaluation, known = appraised(Here(), space, quick)
     attainment = _attainment(design, evaluation)
-    status = "unfinished" if stopped else _status(best, evaluation, attainment, faults)
+    status = "unfinished" if stopped else _status(best, evaluation, attainment, known.faults)
     limits: tuple[Limit, ...] = ()
     card: Card | None = None
     sweep: tuple[Finding, ...] = ()
     left_out: tuple[PluginError, ...] = ()
     try:
-        limits = clock.time("limits", lambda: _limits(space, best, status, progress))
+        limits = clock.time("limits", lambda: _limits(space, best, status, doing, progress))
         if best is not None and not best.feasible and status == "infeasible":
             card = clock.time("card", lambda: _card(space, best, limits, progress))
         if not stopped:
-            sweep, left_out = clock.time("sweep", lambda: _sweep(spec, design, progress))
+            sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
     except KeyboardInterrupt:
         stopped, status = True, "unfinished"
     search = Search(
@@ -122,7 +132,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         _conflicts(best, limits) if status == "infeasible" else (),
         card,
     )
-    errors = (*faults, *_failed_nodes(evaluation), *left_out)
+    errors = (*known.errors, *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
     return Outcome(finding, {"seconds": clock.seconds, "solves": found.history(space)}, stopped)
 
@@ -132,12 +142,6 @@ def fields_of(spec: Spec, design: Design) -> dict[str, Array]:
     setting = setting_of(spec)
     grid = make_grid(design.manipulator, setting.size, setting.divisions, setting.region)
     return fields(design.manipulator, design.demands, grid)
-
-
-def _quick(spec: Spec) -> Setting:
-    """The spec's workspace on a coarse grid: someone who pressed Ctrl-C does not want to wait."""
-    setting = setting_of(spec)
-    return replace(setting, divisions=min(setting.divisions, COARSE))
 
 
 def _status(
@@ -152,40 +156,6 @@ def _status(
         return "infeasible"
     goals = attainment.goals.values() if attainment is not None else ()
     return "attained" if all(goal.attained for goal in goals) else "compromise"
-
-
-def _evaluate(
-    design: Design,
-    setting: Setting,
-    prescribed: Mapping[str, Cuboid] | None,
-    progress: Progress | None,
-) -> tuple[Evaluation, tuple[PluginError, ...]]:
-    """Evaluate a design; a measure that fails is left out and named."""
-    faults: list[PluginError] = []
-    machine = machine_of(design)
-    while True:
-        try:
-            evaluation = evaluate(machine, setting, prescribed, progress)
-        except PluginFault as fault:
-            kept = {name: d for name, d in machine.demands.items() if d.place != fault.place}
-            if len(kept) == len(machine.demands):
-                raise
-            faults.append(_error(fault))
-            machine = replace(machine, demands=kept)
-            continue
-        return evaluation, tuple(faults)
-
-
-def _failed_nodes(evaluation: Evaluation) -> tuple[PluginError, ...]:
-    """Nodes where a measure gave NaN: told with the first pose of each measure, but no failure of the run."""
-    return tuple(
-        PluginError(failure.measure, failure.place, f"gave NaN at the reachable pose {list(failure.pose)}")
-        for failure in evaluation.failures
-    )
-
-
-def _error(fault: PluginFault) -> PluginError:
-    return PluginError(fault.plugin, fault.place, fault.what)
 
 
 def _attainment(design: Design, evaluation: Evaluation) -> Attainment | None:
@@ -210,14 +180,17 @@ def _outcome(goal: Goal, value: float) -> GoalOutcome:
 
 
 def _limits(
-    space: DesignSpace, best: Attained | None, status: Status, progress: Progress | None
+    space: DesignSpace,
+    best: Attained | None,
+    status: Status,
+    workers: Workers,
+    progress: Progress | None,
 ) -> tuple[Limit, ...]:
     if best is None or status not in ("attained", "compromise", "infeasible"):
         return ()
-    if progress is not None:
-        progress("what limits it", 0, 0)
-    find = find_conflicts if status == "infeasible" else find_limits
-    return find(space, best)
+    if status == "infeasible":
+        return find_conflicts(space, best)
+    return find_limits(space, best, workers, progress)
 
 
 def _card(space: DesignSpace, best: Attained, limits: tuple[Limit, ...], progress: Progress | None) -> Card:
@@ -246,28 +219,26 @@ def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, .
 
 
 def _sweep(
-    spec: Spec, design: Design, progress: Progress | None
+    space: DesignSpace, design: Design, workers: Workers, progress: Progress | None
 ) -> tuple[tuple[Finding, ...], tuple[PluginError, ...]]:
     """The design evaluated along one variable, the others as they are; and the points that cannot be.
 
     A point without a machine, or whose reach cannot be found, must not lose the rest.
     """
-    if spec.sweep is None:
+    spec, sweep = space.spec, space.spec.sweep
+    if sweep is None:
         return (), ()
+    line = [
+        {**design.values, sweep.variable: float(value)}
+        for value in np.linspace(sweep.start, sweep.stop, sweep.points)
+    ]
+    points = [Asked(tuple(values.values()), spec.workspace.divisions) for values in line]
     found, left_out = [], []
-    variable = spec.sweep.variable
-    values = np.linspace(spec.sweep.start, spec.sweep.stop, spec.sweep.points)
-    for k, value in enumerate(map(float, values)):
-        if progress is not None:
-            progress("sweep", k, len(values))
-        try:
-            here = spec.design({**design.values, variable: value})
-            evaluation, faults = _evaluate(here, setting_of(spec), None, None)
-        except OrthospecError as error:
-            left_out.append(
-                PluginError("sweep", spec.place(("sweep",)), f"at {variable} = {value:g}: {error}")
-            )
+    for values, point in zip(line, in_order(workers, SWEEP, space, points, progress), strict=True):
+        if point.evaluation is None:
+            message = f"at {sweep.variable} = {values[sweep.variable]:g}: {point.error}"
+            left_out.append(PluginError("sweep", spec.place(("sweep",)), message))
             continue
-        errors = (*faults, *_failed_nodes(evaluation))
-        found.append(Finding("failed" if faults else "evaluated", here, evaluation, errors=errors))
+        status: Status = "failed" if point.faults else "evaluated"
+        found.append(Finding(status, spec.design(values), point.evaluation, errors=point.errors))
     return tuple(found), tuple(left_out)

@@ -1,19 +1,24 @@
 """What can be done independently of anything else, and by anyone: here, in another process, elsewhere.
 
 A task is a function of a module, from a design space and plain frozen data to plain frozen data. Nothing
-else goes in or comes out, so that its result is the same wherever it was made, and can be kept.
+else decides what comes out, so that its result is the same wherever it was made, and can be kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from orthospec.optimise.space import DesignSpace
+from orthospec.workspace.field import Progress
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")
+
+
+def _always(_: object) -> bool:
+    return True
 
 
 @dataclass(frozen=True)
@@ -22,8 +27,14 @@ class Task(Generic[Given, Made]):
 
     name: str
     """In the user's words, for progress: what is being done."""
-    work: Callable[[DesignSpace, Given], Made]
-    """A function that other processes find by its module and name."""
+    work: Callable[[DesignSpace, Given, Progress | None], Made]
+    """A function that other processes find by its module and name; it tells how far it is if it is heard."""
+    depends: Callable[[Mapping[str, Any]], Any]
+    """Of a spec's canonical content, the part that decides what is made."""
+    makes: tuple[type, ...] = ()
+    """The frozen dataclasses in what is made."""
+    lasting: Callable[[Made], bool] = _always
+    """Whether what was made may be kept: not what tells of places in this very file."""
 
 
 class Stopped(KeyboardInterrupt):
@@ -32,3 +43,29 @@ class Stopped(KeyboardInterrupt):
     def __init__(self, made: object) -> None:
         super().__init__()
         self.made = made
+
+
+def problem_of(content: Mapping[str, Any]) -> dict[str, Any]:
+    """What a solve depends on: not the grid, levels, poses, a sweep, or where the search starts."""
+    ranges = {name: _without(one, "start") for name, one in content["variables"].items()}
+    measures = {name: _without(one, "levels") for name, one in content["measures"].items()}
+    goals, machine = content["goals"], content["manipulator"]
+    workspace = _without(content["workspace"], "divisions")
+    return {
+        "variables": ranges,
+        "workspace": workspace,
+        "measures": measures,
+        "goals": goals,
+        "machine": machine,
+    }
+
+
+def machine_and_measures(content: Mapping[str, Any]) -> dict[str, Any]:
+    """What measuring a design depends on: not goals, a sweep, or the variables' ranges."""
+    workspace = _without(content["workspace"], "divisions")
+    parts = {part: content[part] for part in ("manipulator", "measures", "poses")}
+    return {"variables": list(content["variables"]), "workspace": workspace, **parts}
+
+
+def _without(content: Mapping[str, Any], name: str) -> dict[str, Any]:
+    return {key: value for key, value in content.items() if key != name}

@@ -1,0 +1,103 @@
+"""Designs measured as a result tells them, each a task of its own: the one found, and those of a sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from orthospec.errors import OrthospecError, PluginFault
+from orthospec.measures import Level
+from orthospec.optimise.space import DesignSpace, machine_of
+from orthospec.optimise.tasks import Task, machine_and_measures
+from orthospec.optimise.workers import Workers, in_order
+from orthospec.result import PluginError
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value, evaluate
+
+if TYPE_CHECKING:
+    from orthospec.spec import Design
+    from orthospec.workspace.field import Progress
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A design to measure."""
+
+    values: tuple[float, ...]
+    """Of the variables, in the spec's order."""
+    divisions: int
+    prescribed: tuple[tuple[str, Cuboid], ...] | None = None
+    """Where the prescribed cuboids stand, by measure ("": the joint one); None: centred on the largest."""
+
+
+@dataclass(frozen=True)
+class Appraisal:
+    """What was measured of a design, or why nothing could be."""
+
+    evaluation: Evaluation | None
+    faults: tuple[PluginError, ...] = ()
+    """Measures that failed and were left out."""
+    error: OrthospecError | None = None
+
+    @property
+    def errors(self) -> tuple[PluginError, ...]:
+        """All that went wrong with plugins; nodes where a measure gave NaN with the first pose of each."""
+        failures = self.evaluation.failures if self.evaluation is not None else ()
+        nodes = (
+            PluginError(one.measure, one.place, f"gave NaN at the reachable pose {list(one.pose)}")
+            for one in failures
+        )
+        return (*self.faults, *nodes)
+
+
+def asked(design: Design, divisions: int, prescribed: Mapping[str, Cuboid] | None = None) -> Asked:
+    """What to ask for of a design."""
+    places = None if prescribed is None else tuple(prescribed.items())
+    return Asked(tuple(design.values.values()), divisions, places)
+
+
+def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -> Appraisal:
+    """Measure a design; a measure that fails is left out and named."""
+    setting = replace(space.setting, divisions=one.divisions)
+    prescribed = None if one.prescribed is None else dict(one.prescribed)
+    faults: list[PluginError] = []
+    try:
+        machine = machine_of(space.spec.design(dict(zip(space.spec.variables, one.values, strict=True))))
+        while True:
+            try:
+                return Appraisal(evaluate(machine, setting, prescribed, progress), tuple(faults))
+            except PluginFault as fault:
+                kept = {name: d for name, d in machine.demands.items() if d.place != fault.place}
+                if len(kept) == len(machine.demands):
+                    raise
+                faults.append(error_of(fault))
+                machine = replace(machine, demands=kept)
+    except OrthospecError as error:
+        return Appraisal(None, tuple(faults), error)
+
+
+def error_of(fault: PluginFault) -> PluginError:
+    """A plugin's fault as the result tells it."""
+    return PluginError(fault.plugin, fault.place, fault.what)
+
+
+def _lasting(found: Appraisal) -> bool:
+    """Whether nothing went wrong: errors tell places in the spec, which move with its lines."""
+    return found.error is None and not found.errors
+
+
+_PARTS = (Appraisal, Evaluation, Measured, Largest, Prescribed, Value, Cuboid, Level)
+APPRAISE = Task("measuring the design", appraise, machine_and_measures, _PARTS, _lasting)
+SWEEP = replace(APPRAISE, name="sweep")
+
+
+def appraised(
+    workers: Workers, space: DesignSpace, one: Asked, progress: Progress | None = None
+) -> tuple[Evaluation, Appraisal]:
+    """The evaluation of one design, and all else that is known of it; raises what kept it from being made."""
+    (found,) = in_order(workers, APPRAISE, space, [one], progress)
+    if found.error is not None:
+        raise found.error
+    assert found.evaluation is not None
+    return found.evaluation, found

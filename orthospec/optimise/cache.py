@@ -1,0 +1,155 @@
+"""Results of tasks, kept in a folder under a name that tells all that they depend on.
+
+The name is a hash of the task, of what it was given, of the part of the spec that decides it, and of the code
+that made it. So a result is right whenever it is found: no option has to say whether to trust it, a changed
+title finds everything, and a run that was killed goes on by being run again. Each file is written whole or
+not at all, and with a hash of its own: one that is damaged counts as none.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from orthospec.errors import UsageError
+from orthospec.optimise.plain import decode, encode
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Given, Made, Task
+from orthospec.optimise.versions import fingerprint
+from orthospec.optimise.workers import Workers
+from orthospec.workspace.field import Progress
+
+MOST_BYTES = 1 << 30
+"""Of all files; those unused for longest go first."""
+
+
+class Cache:
+    """A folder of kept results; it may be shared, and holds nothing that could be run."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises UsageError where nothing can be kept in the folder."""
+        self.folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise UsageError(f"{folder}: results cannot be kept there: {reason}") from None
+
+    def read(self, key: str) -> Any:
+        """What is kept under a name, as JSON; None where nothing sound is."""
+        path = self._path(key)
+        try:
+            digest, _, text = path.read_text(encoding="utf-8").partition("\n")
+            if digest != _sha256(text):
+                return None
+            os.utime(path)
+            return json.loads(text)
+        except (OSError, ValueError):
+            return None
+
+    def write(self, key: str, content: Any) -> None:
+        """Keep content; a full disk only means that it is not kept."""
+        text = json.dumps(content, ensure_ascii=False)
+        with suppress(OSError), self.replacing(self._path(key)) as fresh:
+            fresh.write_text(f"{_sha256(text)}\n{text}", encoding="utf-8")
+
+    @contextmanager
+    def replacing(self, path: Path) -> Iterator[Path]:
+        """A path to write to, which then takes the place of ``path`` in one step."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=".", dir=path.parent)
+        os.close(handle)
+        try:
+            yield Path(name)
+            os.replace(name, path)
+        finally:
+            Path(name).unlink(missing_ok=True)
+
+    def trim(self, most: int = MOST_BYTES) -> None:
+        """Remove what was unused for longest, until no more than so many bytes are left."""
+        found = []
+        for path in self.folder.rglob("*"):
+            with suppress(OSError):
+                if path.is_file():
+                    found.append((path.stat().st_mtime, path.stat().st_size, path))
+        total = sum(size for _, size, _ in found)
+        for _, size, path in sorted(found):
+            if total <= most:
+                return
+            path.unlink(missing_ok=True)
+            total -= size
+
+    def _path(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.json"
+
+
+class Remembering:
+    """Workers that do only what is not kept already, and keep each result as soon as it is there."""
+
+    def __init__(self, workers: Workers, cache: Cache) -> None:
+        self._workers, self._cache = workers, cache
+        self.asked = 0
+        """How many results were asked for so far."""
+        self.known = 0
+        """How many of them were kept from before."""
+
+    def each(
+        self,
+        task: Task[Given, Made],
+        space: DesignSpace,
+        items: Sequence[Given],
+        progress: Progress | None = None,
+    ) -> Iterator[tuple[int, Made]]:
+        """Each item's number and what was made of it: first what is known, then the rest when it is done."""
+        keys = _keys(task, space, items)
+        left = []
+        self.asked += len(items)
+        for number, key in enumerate(keys):
+            try:
+                made = decode(self._cache.read(key)["made"], task.makes)
+            except (TypeError, KeyError, ValueError):
+                left.append(number)
+                continue
+            self.known += 1
+            yield number, made
+        for k, made in self._workers.each(task, space, [items[number] for number in left], progress):
+            if task.lasting(made):
+                self._cache.write(keys[left[k]], {"made": encode(made)})
+            yield left[k], made
+
+
+def _keys(task: Task[Given, Made], space: DesignSpace, items: Sequence[Given]) -> list[str]:
+    """The name of each item's result."""
+    content = task.depends(space.spec.canonical())
+    where = f"{task.work.__module__}.{task.work.__qualname__}"
+    common = [where, content, fingerprint(space.spec)]
+    return [_sha256(json.dumps([*common, encode(item)], ensure_ascii=False)) for item in items]
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@contextmanager
+def remembering(workers: Workers, folder: Path | None) -> Iterator[Remembering]:
+    """Workers that keep results in a folder; in the user's cache folder where none is given."""
+    cache = Cache(folder or user_cache())
+    try:
+        yield Remembering(workers, cache)
+    finally:
+        cache.trim()
+
+
+def user_cache() -> Path:
+    """Where the user's system keeps what can be made again."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("orthospec", appauthor=False)

@@ -1,0 +1,208 @@
+"""What is kept: found again whatever was killed in between, never for anything else nor when damaged."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orthospec.errors import UsageError
+from orthospec.optimise import remembering, solve, versions
+from orthospec.optimise.cache import Cache, Remembering, user_cache
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Task, problem_of
+from orthospec.optimise.workers import Here, in_order
+from orthospec.result import compose
+from orthospec.spec import Spec
+from orthospec.spec.writing import dump
+
+SPEC = """\
+orthospec: 1
+title: Small
+variables: {leg: {min: 250 mm, max: 500 mm}}
+manipulator: {use: orthoglide, leg_lengths: [leg, leg, leg]}
+workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 5}
+measures:
+  transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2}
+goals: {legs: {minimise: leg, goal: 300 mm}}
+optimise: {starts: 3}
+"""
+
+
+@dataclass(frozen=True)
+class Tally:
+    """A result, and how much of it was known before."""
+
+    text: str
+    known: int
+    asked: int
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory, spec_of: Callable[..., Spec]) -> Callable[..., Tally]:
+    """Solves with one and the same cache, in which the spec as it stands is known."""
+    folder = tmp_path_factory.mktemp("kept")
+
+    def run(text: str = SPEC, *settings: str) -> Tally:
+        with remembering(Here(), folder) as workers:
+            spec = spec_of(text, *settings)
+            finding = solve(spec, workers=workers).finding
+            return Tally(dump(compose(spec, finding)), workers.known, workers.asked)
+
+    assert run().known == 0
+    return run
+
+
+def test_what_is_kept_is_what_is_made(kept: Callable[..., Tally], spec_of: Callable[..., Spec]) -> None:
+    spec = spec_of(SPEC)
+    again = kept()
+    assert again.known == again.asked > 0
+    assert again.text == dump(compose(spec, solve(spec).finding))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("title: Small", "title: Other\nnotes: [many]"),
+        ("250 mm", "0.25"),
+        ("goals:", "# Aims.\ngoals:"),
+        ("orthospec: 1\n", "# Mine.\n\northospec: 1\n"),
+    ],
+)
+def test_what_changes_no_result_computes_nothing(kept: Callable[..., Tally], change: tuple[str, str]) -> None:
+    found = kept(SPEC.replace(*change))
+    assert found.known == found.asked
+
+
+@pytest.mark.parametrize(
+    ("setting", "remade"),
+    [
+        ("poses={Q: [0, 0, 0]}", 1),
+        ("measures.transmission.levels={at_most: [1.5]}", 1),
+        ("sweep={variable: leg, from: 0.3, to: 0.4, points: 2}", 2),
+        ("variables.leg.start=0.3", None),
+        ("measures.transmission.at_most=2.01", None),
+    ],
+)
+def test_only_what_depends_on_a_change_is_made_anew(
+    kept: Callable[..., Tally], setting: str, remade: int | None
+) -> None:
+    found = kept(SPEC, setting)
+    if remade is not None:
+        assert found.asked - found.known == remade
+    else:
+        assert found.known < found.asked
+
+
+def test_a_damaged_file_counts_as_none(tmp_path: Path) -> None:
+    cache = Cache(tmp_path)
+    cache.write("abc", {"made": [0.1, "text"]})
+    assert cache.read("abc") == {"made": [0.1, "text"]}
+    (file,) = (path for path in tmp_path.rglob("*") if path.is_file())
+    whole = file.read_bytes()
+    for damaged in (b"", whole[:-1], whole.replace(b"0.1", b"0.2"), b"\xff" + whole):
+        file.write_bytes(damaged)
+        assert cache.read("abc") is None
+    file.write_bytes(whole)
+    assert cache.read("abc") is not None
+
+
+def test_only_what_has_not_been_used_for_longest_is_removed(tmp_path: Path) -> None:
+    cache = Cache(tmp_path)
+    for age, key in enumerate(("aa", "bb", "cc")):
+        cache.write(key, "x" * 1000)
+        (path,) = (tmp_path / key).iterdir()
+        os.utime(path, (1e9 - age, 1e9 - age))
+    cache.read("cc")
+    cache.trim(2500)
+    assert [cache.read(key) is not None for key in ("aa", "bb", "cc")] == [True, False, True]
+
+
+def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="results cannot be kept there"):
+        Cache(tmp_path / "file" / "cache")
+
+
+def test_the_users_folder_is_the_one_of_the_system() -> None:
+    assert user_cache().name == "orthospec"
+
+
+def _twice(space: DesignSpace, item: float, _: Any) -> float:  # noqa: ARG001
+    return 2 * item
+
+
+def test_what_may_not_last_is_made_each_time(tmp_path: Path, spec_of: Callable[..., Spec]) -> None:
+    space = DesignSpace(spec_of(SPEC))
+    task = Task("twice", _twice, problem_of, lasting=lambda made: made > 4)
+    for known in (0, 2):
+        workers = Remembering(Here(), Cache(tmp_path))
+        assert in_order(workers, task, space, [1.0, 2.5, 2.0, 3.0]) == [2.0, 5.0, 4.0, 6.0]
+        assert workers.known == known
+
+
+def test_edited_code_finds_nothing_of_before(
+    tmp_path: Path, spec_of: Callable[..., Spec], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "stranger").mkdir()
+    module = tmp_path / "stranger" / "__init__.py"
+    module.write_text("ONE = 1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    __import__("stranger")
+    before = versions._hash_of("stranger")
+    versions._hash_of.cache_clear()
+    assert versions._hash_of("stranger") == before
+    module.write_text("ONE = 2\n")
+    versions._hash_of.cache_clear()
+    assert versions._hash_of("stranger") != before
+    spec = spec_of(SPEC)
+    known = versions.fingerprint(spec)
+    monkeypatch.setattr(versions, "_hash_of", lambda _: "edited")
+    assert versions.fingerprint(spec) != known
+
+
+RUN = """
+import os, signal, sys
+from orthospec.optimise import cache
+write, limit = cache.Cache.write, int(sys.argv.pop(1))
+def writing(self, key, content):
+    global limit
+    limit -= 1
+    if limit == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    write(self, key, content)
+cache.Cache.write = writing
+from orthospec.cli import main
+main()
+"""
+
+
+def test_a_run_that_was_killed_goes_on_and_ends_in_the_same_bytes(tmp_path: Path) -> None:
+    (tmp_path / "small.yaml").write_text(SPEC)
+
+    def run(*arguments: str, killed_at: int = -1) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-P", "-c", RUN, str(killed_at), "run", "small.yaml", *arguments]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=100, check=False)
+
+    whole = run("-o", "whole", "--cache", "one")
+    assert whole.returncode == 0, whole.stderr
+    for killed_at in (5, 8):
+        assert run("--cache", "two", killed_at=killed_at).returncode == -signal.SIGKILL
+        assert not (tmp_path / "runs").exists()
+    resumed = run("--cache", "two", "--resume")
+    assert resumed.returncode == 0, resumed.stderr
+    known, asked = (int(word) for word in resumed.stderr.splitlines()[-1].split() if word.isdigit())
+    assert 5 <= known < asked
+    assert resumed.stdout.replace("runs/small", "whole") == whole.stdout
+    for name in ("result.yaml", "spec.yaml"):
+        assert (tmp_path / "runs" / "small" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    log = json.loads((tmp_path / "runs" / "small" / "run.log.json").read_text())
+    assert [one["start"] for one in log["solves"]]
