@@ -331,6 +331,9 @@ def _values(spec: Spec, text: str) -> dict[str, float]:
 
 
 def _warn_outside(spec: Spec, name: str, value: float) -> None:
-    low, high = spec.variables[name].min, spec.variables[name].max
+    low, high, choices = (getattr(spec.variables[name], part) for part in ("min", "max", "choices"))
+    if choices and value not in choices:
+        say(f"note: {name} = {value:g} is not one of its choices {', '.join(f'{one:g}' for one in choices)}")
+        return
     if not low <= value <= high:
         say(f"note: {name} = {value:g} is outside its range {low:g} ... {high:g}")

@@ -176,9 +176,13 @@ CHANGES = {
         "third: {min: 1.0, max: 3.0}", "third: {min: base, max: 3.0}",
         ["5:16: 'base' is not a number or quantity, and no variable can stand here"],
     ),
-    "a catalogue": (
-        "third: {min: 1.0, max: 3.0}", "third: {choices: [1, 2, 3]}",
-        ["5:11: 'choices' is not available in this version"],
+    "a catalogue with a value twice": (
+        "third: {min: 1.0, max: 3.0}", "third: {choices: [1, 2, 1]}",
+        ["5:27: 1 stands in the catalogue twice"],
+    ),
+    "a catalogue and a range": (
+        "third: {min: 1.0, max: 3.0}", "third: {choices: [1, 2], max: 3}",
+        ["5:3: either 'choices', or 'min' and 'max' were expected, both given"],
     ),
     "a variable with the name of a function": (
         "  third: {min: 1.0, max: 3.0}\n", "  third: {min: 1.0, max: 3.0}\n  max: {min: 1, max: 2}\n",

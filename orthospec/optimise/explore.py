@@ -52,6 +52,8 @@ def candidates(space: DesignSpace) -> Iterator[Array]:
     """The spec's own start, then a Kronecker sequence of the golden ratio's kin, shifted by the seed."""
     yield space.scaled(space.spec.default_values())
     k = len(space.names)
+    if k == 0:
+        return
     ratio = 2.0
     for _ in range(60):
         ratio = (1 + ratio) ** (1 / (k + 1))

@@ -15,7 +15,8 @@ import numpy as np
 
 from orthospec.errors import PluginFault
 from orthospec.optimise.appraise import SWEEP, Asked, appraised, asked, error_of
-from orthospec.optimise.attain import Attained, hunt
+from orthospec.optimise.attain import Attained
+from orthospec.optimise.branch import hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
@@ -91,15 +92,16 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     doing = workers or Here()
     if not spec.variables:
         return evaluate_spec(spec, progress=progress, workers=doing)
-    clock, space = _Clock(), DesignSpace(spec)
+    clock = _Clock()
     try:
-        found = clock.time("optimise", lambda: hunt(space, doing, progress))
+        branches = clock.time("optimise", lambda: hunt_branches(spec, doing, progress))
     except PluginFault as fault:
         outcome = evaluate_spec(spec, progress=progress, workers=doing)
         errors = (error_of(fault), *outcome.finding.errors)
         unique = tuple(dict.fromkeys(errors))
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
-    best, stopped = found.best, found.interrupted
+    (space, found), stopped = branches.best, branches.interrupted
+    best = found.best
     design = space.design(best.end.design) if best is not None else spec.design(spec.default_values())
     prescribed = best.end.cuboids(space) if best is not None else None
     quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
@@ -125,16 +127,18 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     except KeyboardInterrupt:
         stopped, status = True, "unfinished"
     search = Search(
-        found.designs,
-        len(found.solved),
+        branches.designs,
+        branches.solves,
         best.subproblems if best is not None else 0,
         None if best is None or best.feasible else float(best.violation),
         _conflicts(best, limits) if status == "infeasible" else (),
         card,
+        branches.combinations,
+        branches.records(),
     )
     errors = (*known.errors, *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
-    return Outcome(finding, {"seconds": clock.seconds, "solves": found.history(space)}, stopped)
+    return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
 
 
 def fields_of(spec: Spec, design: Design) -> dict[str, Array]:

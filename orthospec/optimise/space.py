@@ -24,14 +24,17 @@ REMEMBERED = 64
 class DesignSpace:
     """Maps scaled designs z (k,) to designs; building one raises UnbuildableDesign where there is none.
 
+    Only what varies continuously has a place in z: a catalogue is searched branch by branch.
+
     It is what every task is handed: a worker process unpacks the space of a spec once, and keeps it.
     """
 
     def __init__(self, spec: Spec) -> None:
         self.spec, self.setting = spec, setting_of(spec)
-        self.names = tuple(spec.variables)
-        self.low = np.array([v.min for v in spec.variables.values()], dtype=float)
-        self.high = np.array([v.max for v in spec.variables.values()], dtype=float)
+        varying = {name: v for name, v in spec.variables.items() if not v.choices and v.min < v.max}
+        self.names = tuple(varying)
+        self.low = np.array([v.min for v in varying.values()], dtype=float)
+        self.high = np.array([v.max for v in varying.values()], dtype=float)
         self._remembered = lru_cache(REMEMBERED)(self._build)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -43,9 +46,9 @@ class DesignSpace:
         return pickle.dumps(self.spec)
 
     def values(self, z: Array) -> dict[str, float]:
-        """The variables' values, exact at both ends of their ranges."""
+        """All variables' values, exact at both ends of their ranges; a catalogue's is its start."""
         x = np.where(z == 1.0, self.high, self.low + z * (self.high - self.low))
-        return dict(zip(self.names, map(float, x), strict=True))
+        return self.spec.default_values() | dict(zip(self.names, map(float, x), strict=True))
 
     def scaled(self, values: Mapping[str, float]) -> Array:
         """Z of these values."""

@@ -5,6 +5,7 @@ from orthospec.result.files import check_destination, read_result, spec_of, writ
 from orthospec.result.model import Result
 from orthospec.result.records import (
     Attainment,
+    Branch,
     Card,
     Culprit,
     Finding,
@@ -17,6 +18,7 @@ from orthospec.result.records import (
 
 __all__ = [
     "Attainment",
+    "Branch",
     "Card",
     "Culprit",
     "Finding",

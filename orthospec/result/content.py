@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
-    from orthospec.result.records import Attainment, Card, Finding, Limit, Search
+    from orthospec.result.records import Attainment, Branch, Card, Finding, Limit, Search
     from orthospec.spec import Spec
     from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value
 
@@ -168,7 +168,18 @@ def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
             least_violation=None if violation is None else _number(violation),
             conflicts=list(search.conflicts),
             card=None if search.card is None else _card(spec, search.card),
+            combinations=search.combinations if search.branches else None,
+            branches=[_branch(branch) for branch in search.branches],
         ),
+    }
+
+
+def _branch(branch: Branch) -> dict[str, Any]:
+    return {
+        "choices": _by_name(branch.choices),
+        "found": branch.found,
+        "factor": _known(branch.factor),
+        **_given(least_violation=_known(branch.least_violation)),
     }
 
 

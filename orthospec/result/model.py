@@ -145,6 +145,17 @@ class CardRecord(_Record):
     """The scale of the largest cuboid in which everything holds as it is."""
 
 
+class BranchRecord(_Record):
+    """One combination of the catalogues' choices, and the best found with it."""
+
+    choices: dict[str, float]
+    found: bool
+    """Whether a design was found in which every bound holds."""
+    factor: float | None = None
+    """Its λ; null where there is none."""
+    least_violation: float | None = None
+
+
 class SearchRecord(_Record):
     """What was searched."""
 
@@ -154,6 +165,9 @@ class SearchRecord(_Record):
     least_violation: float | None = None
     conflicts: list[str] = []
     card: CardRecord | None = None
+    combinations: int | None = None
+    """Of the catalogues' choices, searched or not."""
+    branches: list[BranchRecord] = []
 
 
 class ErrorRecord(_Record):

@@ -48,6 +48,19 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Branch:
+    """One combination of a spec's catalogues, and the best that was found with it."""
+
+    choices: Mapping[str, float]
+    found: bool
+    """Whether a design was found in which every bound holds."""
+    factor: float | None
+    """Its λ; None where there is none."""
+    least_violation: float | None
+    """Of the best point, where no design was found and there was a start."""
+
+
+@dataclass(frozen=True)
 class Culprit:
     """One condition of a conflict, and how far it alone would have to give way."""
 
@@ -93,6 +106,10 @@ class Search:
     """Sentences that name what conflicts, where no design was found."""
     card: Card | None = None
     """The conflict taken apart, where no design was found."""
+    combinations: int = 1
+    """Of the catalogues' choices."""
+    branches: tuple[Branch, ...] = ()
+    """Those that were searched; none where the spec has no catalogue."""
 
 
 @dataclass(frozen=True)

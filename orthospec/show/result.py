@@ -55,6 +55,7 @@ class _Writer:
         self._measures()
         self._limits()
         self._card()
+        self._branches()
         self._sweep()
         self._errors()
 
@@ -89,7 +90,7 @@ class _Writer:
         rows = []
         for name, value in self.result.variables.items():
             unit, range_ = self.known.variables.get(name, UNKNOWN), self.known.ranges.get(name)
-            within = f"within {self.numbers.interval(range_.min, range_.max, unit)}" if range_ else ""
+            within = words.within(range_, unit, self.numbers) if range_ else ""
             rows.append((name, self.numbers.value(value, unit), within))
         self.page.rows(rows, right=frozenset({1}))
 
@@ -202,6 +203,24 @@ class _Writer:
             self.page.sentence(f"{said} ({one.place})")
             self.page.sentence(way, indent=4)
         self.page.sentence(words.ways_out(card))
+
+    def _branches(self) -> None:
+        """What each combination of choices came to."""
+        search = self.result.search
+        if search is None or not search.branches:
+            return
+        self.page.heading("Choices")
+        left_out = (search.combinations or 0) - len(search.branches)
+        if left_out:
+            self.page.sentence(
+                f"Of {search.combinations} combinations the {len(search.branches)} best on a coarse grid."
+            )
+        names = list(search.branches[0].choices)
+        rows = []
+        for one in search.branches:
+            values = [self.numbers.value(one.choices[n], self.known.variables.get(n, UNKNOWN)) for n in names]
+            rows.append([*values, words.branch(one)])
+        self.page.table([*names, "λ"], rows)
 
     def _sweep(self) -> None:
         sweep = self.result.sweep

@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from orthospec.result import Result
-from orthospec.result.model import CardRecord, CulpritRecord, DesignRecord, LimitRecord, SearchRecord
+from orthospec.result.model import (
+    BranchRecord,
+    CardRecord,
+    CulpritRecord,
+    DesignRecord,
+    LimitRecord,
+    SearchRecord,
+)
 from orthospec.show import machine
 from orthospec.show.labels import Aim, Asked, Labels
 from orthospec.show.numbers import UNKNOWN, Numbers, percent
+from orthospec.spec import Variable
 
 SIDES = {"at_least": "at least", "at_most": "at most"}
 _NODES = {"meets": "meet", "violates": "violate", "unreachable": "out of reach"}
@@ -145,6 +153,21 @@ def price(limit: LimitRecord) -> str:
     looser = _moved(limit.gain, "no gain", "λ falls by")
     tighter = _moved(limit.cost, "no cost", "λ rises by")
     return f"1 % looser: {looser}; 1 % tighter: {tighter}"
+
+
+def within(variable: Variable, unit: str, numbers: Numbers) -> str:
+    """The range of a variable, or its choices."""
+    if variable.choices:
+        return f"one of {', '.join(numbers.value(choice, unit) for choice in variable.choices)}"
+    return f"within {numbers.interval(variable.min, variable.max, unit)}"
+
+
+def branch(one: BranchRecord) -> str:
+    """What a combination of choices came to."""
+    if one.found:
+        return "found" if one.factor is None else f"{one.factor:.6g}"
+    missed = "" if one.least_violation is None else f", misses by {percent(one.least_violation)}"
+    return f"no design found{missed}"
 
 
 def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[str, str]:

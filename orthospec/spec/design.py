@@ -17,11 +17,13 @@ Sense: TypeAlias = Literal["minimise", "maximise", "match"]
 
 @dataclass(frozen=True)
 class Variable:
-    """A design variable: its range and start in SI units."""
+    """A design variable: its range and start in SI units, or the values of a catalogue."""
 
     min: float
     max: float
     start: float
+    choices: tuple[float, ...] = ()
+    """The catalogue's values, the least first; empty where it varies continuously."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ def check(draft: Draft) -> None:
         ("pareto",): keys.pareto,
         ("proof",): keys.proof or None,
     }
-    given |= {("variables", name, "choices"): one.choices for name, one in keys.variables.items()}
     for path, value in given.items():
         if value is not None:
             draft.wrong(path, f"'{path[-1]}' is {NOT_YET}", at_key=True)

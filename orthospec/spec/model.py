@@ -77,7 +77,7 @@ class VariableKeys(_Keys):
     max: Amount | None = None
     """Greatest value."""
     start: Amount | None = None
-    """Where to begin, and what `evaluate` takes; the middle of the range where it is left out."""
+    """Where to begin, and what `evaluate` takes; the middle where it is left out."""
     choices: Annotated[tuple[Amount, ...], Field(min_length=1)] | None = None
     """The values of a catalogue, instead of min and max."""
 

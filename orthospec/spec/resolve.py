@@ -45,9 +45,10 @@ def _variable(draft: Draft, name: str, keys: VariableKeys) -> Variable | None:
     path = ("variables", name)
     given = {key: getattr(keys, key) for key in ("min", "max", "start")}
     if keys.choices is not None:
-        if any(value is not None for value in given.values()):
+        if keys.min is not None or keys.max is not None:
             draft.wrong(path, "either 'choices', or 'min' and 'max' were expected, both given", at_key=True)
-        return None
+            return None
+        return _catalogue(draft, path, keys.choices, keys.start)
     for key in ("min", "max"):
         if given[key] is None:
             draft.wrong(path, f"'{key}' is missing", at_key=True)
@@ -57,6 +58,22 @@ def _variable(draft: Draft, name: str, keys: VariableKeys) -> Variable | None:
     if not _is_of_one_kind(draft, path, given) or values.get("min") is None or values.get("max") is None:
         return None
     return _in_order(draft, path, values)
+
+
+def _catalogue(draft: Draft, path: Path, choices: Sequence[Any], start: Any) -> Variable | None:
+    values = [draft.amount((*path, "choices", i), one, None) for i, one in enumerate(choices)]
+    given = {f"choice {i + 1}": one for i, one in enumerate(choices)}
+    begin = None if start is None else draft.amount((*path, "start"), start, None)
+    if not _is_of_one_kind(draft, path, {**given, "start": start}) or None in values:
+        return None
+    known = sorted(value for value in values if value is not None)
+    for i, value in enumerate(values):
+        if value in values[:i]:
+            draft.wrong((*path, "choices", i), f"{value:g} stands in the catalogue twice")
+    if begin is not None and begin not in known:
+        draft.wrong((*path, "start"), f"start {begin:g} is not one of the choices")
+    middle = known[(len(known) - 1) // 2]
+    return Variable(known[0], known[-1], middle if begin is None else begin, tuple(known))
 
 
 def _is_of_one_kind(draft: Draft, path: Path, given: Mapping[str, Any]) -> bool:

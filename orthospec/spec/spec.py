@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from orthospec import registry
@@ -59,6 +59,11 @@ class Spec:
         """Each variable's start, or else the middle of its range."""
         return {name: variable.start for name, variable in self.variables.items()}
 
+    def chosen(self, values: Mapping[str, float]) -> Spec:
+        """The same problem with these variables fixed: one branch of its catalogues."""
+        fixed = {name: Variable(value, value, value) for name, value in values.items()}
+        return replace(self, variables={**self.variables, **fixed})
+
     def place(self, path: Path) -> str:
         """``FILE:LINE:COLUMN`` of a key or list item: ``place(("measures", "transmission"))``."""
         return self.document.place(path)
@@ -74,7 +79,7 @@ class Spec:
         """The content that decides the result: no title, notes or comments; SI units, one spelling."""
         return {
             "orthospec": 1,
-            "variables": {name: asdict(variable) for name, variable in self.variables.items()},
+            "variables": {name: _variable_content(variable) for name, variable in self.variables.items()},
             "manipulator": {"use": self.manipulator.use, **_folded(self.manipulator.keys)},
             "workspace": asdict(self.workspace),
             "measures": {plan.name: _demand_content(plan) for plan in self.measures},
@@ -94,6 +99,11 @@ class Spec:
             wanted, given = ", ".join(self.variables) or "none", ", ".join(values) or "none"
             raise UsageError(f"a value for each variable was expected ({wanted}), given are {given}")
         return {name: float(values[name]) for name in self.variables}
+
+
+def _variable_content(variable: Variable) -> dict[str, Any]:
+    content = asdict(variable)
+    return {name: content[name] for name in content if name != "choices" or variable.choices}
 
 
 def _demand_content(plan: DemandPlan) -> dict[str, Any]:

@@ -1,0 +1,121 @@
+"""Catalogues beside continuous variables: each combination of choices is a branch with the same starts.
+
+More combinations than `MOST` are screened first: each is measured at the spec's own start on the coarse grid,
+and the best go on. What was not searched is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from orthospec.errors import UsageError
+from orthospec.optimise.attain import Attained, Hunt, hunt
+from orthospec.optimise.explore import start_at
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Workers
+from orthospec.result import Branch
+from orthospec.spec import Spec
+from orthospec.workspace.field import Progress
+
+MOST = 64
+"""Most branches that are searched."""
+MOST_SCREENED = 4096
+"""Most combinations that are screened."""
+
+Choice = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Branches:
+    """What the search of all branches found."""
+
+    combinations: int
+    hunts: tuple[tuple[DesignSpace, Hunt], ...]
+    """Of each branch that was searched, in the order of the choices."""
+
+    @property
+    def best(self) -> tuple[DesignSpace, Hunt]:
+        """The branch with the best end; of equal ones the first."""
+        first, *others = self.hunts
+        best = first
+        for space, found in others:
+            known = best[1].best
+            if found.best is not None and (known is None or found.best.beats(known)):
+                best = space, found
+        return best
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the search was stopped."""
+        return any(found.interrupted for _, found in self.hunts)
+
+    @property
+    def designs(self) -> int:
+        """Designs measured on the coarse grid."""
+        return sum(found.designs for _, found in self.hunts)
+
+    @property
+    def solves(self) -> int:
+        """Local solves."""
+        return sum(len(found.solved) for _, found in self.hunts)
+
+    def history(self) -> list[dict[str, Any]]:
+        """Each start and the steps from there, for the log."""
+        return [entry for space, found in self.hunts for entry in found.history(space)]
+
+    def records(self) -> tuple[Branch, ...]:
+        """Each branch with the best that was found in it; none where there is no catalogue."""
+        return tuple(_record(space, found.best) for space, found in self.hunts if catalogues(space.spec))
+
+
+def catalogues(spec: Spec) -> tuple[str, ...]:
+    """The variables of a spec, or of one of its branches, that have choices."""
+    return tuple(name for name, one in spec.variables.items() if one.choices or one.min == one.max)
+
+
+def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None) -> Branches:
+    """Search each branch; stopped by Ctrl-C it gives back what it has."""
+    choices, combinations = _combinations(spec)
+    hunts = []
+    for choice in choices:
+        space = DesignSpace(spec.chosen(choice))
+        hunts.append((space, hunt(space, workers, progress)))
+        if hunts[-1][1].interrupted:
+            break
+    return Branches(combinations, tuple(hunts))
+
+
+def _combinations(spec: Spec) -> tuple[list[Choice], int]:
+    """The combinations to search, and how many there are."""
+    lists = {name: spec.variables[name].choices for name in catalogues(spec)}
+    every: list[Choice] = [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
+    if len(every) > MOST_SCREENED:
+        raise UsageError(
+            f"the catalogues have {len(every)} combinations; at most {MOST_SCREENED} can be tried"
+        )
+    if len(every) <= MOST:
+        return every, len(every)
+    return _screened(spec, every), len(every)
+
+
+def _screened(spec: Spec, every: list[Choice]) -> list[Choice]:
+    """The best combinations on the coarse grid, in their own order."""
+    merits = []
+    for number, choice in enumerate(every):
+        space = DesignSpace(spec.chosen(choice))
+        start = start_at(space, tuple(map(float, space.scaled(spec.default_values()))))
+        if start is not None:
+            merits.append((start.merit, number))
+    kept = sorted(number for _, number in sorted(merits)[:MOST])
+    return [every[number] for number in kept] or every[:1]
+
+
+def _record(space: DesignSpace, best: Attained | None) -> Branch:
+    choices = {name: space.spec.variables[name].start for name in catalogues(space.spec)}
+    if best is None or not best.feasible:
+        return Branch(choices, False, None, None if best is None else best.violation)
+    soft = any(goal.weight > 0 for goal in space.design(best.end.design).goals)
+    return Branch(choices, True, best.factor * best.unit if soft else None, None)
