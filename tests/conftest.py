@@ -10,6 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from orthospec.composite.subproblem import Block, HalfLines, Rows
 from orthospec.composite.subproblem import solve as solve_subproblem
@@ -20,6 +21,8 @@ from orthospec.spec import Spec, load_spec
 SPECS = Path(__file__).parents[1] / "specs"
 
 mpmath.mp.dps = 50
+settings.register_profile("loaded", deadline=None)
+settings.load_profile("loaded")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -12,17 +12,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from orthospec.errors import UsageError
-from orthospec.optimise import remembering, solve, versions
+from orthospec.optimise import evaluate_spec, remembering, solve, versions
 from orthospec.optimise.cache import Cache, Remembering, user_cache
+from orthospec.optimise.kept_fields import KeptFields
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Here, in_order
 from orthospec.result import compose
 from orthospec.spec import Spec
 from orthospec.spec.writing import dump
+from orthospec.workspace import field
+from orthospec.workspace.grid import Grid
 
 SPEC = """\
 orthospec: 1
@@ -100,6 +104,59 @@ def test_only_what_depends_on_a_change_is_made_anew(
         assert found.asked - found.known == remade
     else:
         assert found.known < found.asked
+
+
+CHEAP = SPEC.replace("min: 250 mm, max: 500 mm", "min: 250 mm, max: 500 mm, start: 330 mm")
+
+
+@pytest.fixture
+def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How many poses of the grid the measure was asked for."""
+    counts: list[int] = []
+    measure = field.measured
+
+    def counting(demand: Any, manipulator: Any, poses: Any) -> Any:
+        counts.append(len(poses))
+        return measure(demand, manipulator, poses)
+
+    monkeypatch.setattr(field, "measured", counting)
+    return counts
+
+
+def test_another_bound_reuses_the_field_of_a_design_and_gives_the_same_bytes(
+    tmp_path: Path, spec_of: Callable[..., Spec], measured: list[int]
+) -> None:
+    def evaluated(*settings: str, folder: Path) -> str:
+        measured.clear()
+        with remembering(Here(), folder) as workers:
+            spec = spec_of(CHEAP, *settings)
+            return dump(compose(spec, evaluate_spec(spec, workers=workers).finding))
+
+    evaluated(folder=tmp_path / "one")
+    assert sum(measured) > 1000
+    moved = "measures.transmission={use: velocity_transmission, at_most: 2.2, levels: {at_most: [1.8]}}"
+    reused = evaluated(moved, folder=tmp_path / "one")
+    assert not measured
+    assert reused == evaluated(moved, folder=tmp_path / "two")
+    assert measured
+    for changed in ("workspace.divisions=6", "variables.leg.start=0.34", "manipulator.branch=[1, 1, 1]"):
+        evaluated(moved, changed, folder=tmp_path / "one")
+        assert measured, changed
+
+
+def test_a_damaged_field_counts_as_none(tmp_path: Path, spec_of: Callable[..., Spec]) -> None:
+    kept = KeptFields(Cache(tmp_path), DesignSpace(spec_of(SPEC)), [0.3])
+    grid = Grid((0.1,) * 3, (0,) * 3, (4,) * 3, 3)
+    values = np.random.default_rng(0).random((50, 2))
+    assert kept.read("transmission", grid) is None
+    kept.write("transmission", grid, values)
+    np.testing.assert_array_equal(kept.read("transmission", grid), values)
+    (file,) = (path for path in tmp_path.rglob("*") if path.is_file())
+    whole = file.read_bytes()
+    flipped = whole[:300] + bytes([whole[300] ^ 1]) + whole[301:]
+    for damaged in (b"", whole[:200], flipped):
+        file.write_bytes(damaged)
+        assert kept.read("transmission", grid) is None
 
 
 def test_a_damaged_file_counts_as_none(tmp_path: Path) -> None:

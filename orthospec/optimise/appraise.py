@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from orthospec.errors import OrthospecError, PluginFault
+from orthospec.errors import OrthospecError, PluginFault, UsageError
 from orthospec.measures import Level
+from orthospec.optimise.cache import Cache
+from orthospec.optimise.kept_fields import KeptFields
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Workers, in_order
@@ -61,20 +63,33 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
     """Measure a design; a measure that fails is left out and named."""
     setting = replace(space.setting, divisions=one.divisions)
     prescribed = None if one.prescribed is None else dict(one.prescribed)
+    kept = _kept(space, one)
     faults: list[PluginError] = []
     try:
         machine = machine_of(space.spec.design(dict(zip(space.spec.variables, one.values, strict=True))))
         while True:
             try:
-                return Appraisal(evaluate(machine, setting, prescribed, progress), tuple(faults))
+                evaluation = evaluate(machine, setting, prescribed, progress, kept)
             except PluginFault as fault:
-                kept = {name: d for name, d in machine.demands.items() if d.place != fault.place}
-                if len(kept) == len(machine.demands):
+                others = {name: d for name, d in machine.demands.items() if d.place != fault.place}
+                if len(others) == len(machine.demands):
                     raise
                 faults.append(error_of(fault))
-                machine = replace(machine, demands=kept)
+                machine = replace(machine, demands=others)
+                continue
+            return Appraisal(evaluation, tuple(faults))
     except OrthospecError as error:
         return Appraisal(None, tuple(faults), error)
+
+
+def _kept(space: DesignSpace, one: Asked) -> KeptFields | None:
+    """What is kept of a design's fields; none where the machine has no such folder to write in."""
+    if space.folder is None or not space.folder.is_dir():
+        return None
+    try:
+        return KeptFields(Cache(space.folder), space, one.values)
+    except UsageError:
+        return None
 
 
 def error_of(fault: PluginFault) -> PluginError:

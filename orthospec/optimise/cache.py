@@ -45,10 +45,10 @@ class Cache:
 
     def read(self, key: str) -> Any:
         """What is kept under a name, as JSON; None where nothing sound is."""
-        path = self._path(key)
+        path = self.path(key)
         try:
             digest, _, text = path.read_text(encoding="utf-8").partition("\n")
-            if digest != _sha256(text):
+            if digest != sha256_of(text):
                 return None
             os.utime(path)
             return json.loads(text)
@@ -58,8 +58,8 @@ class Cache:
     def write(self, key: str, content: Any) -> None:
         """Keep content; a full disk only means that it is not kept."""
         text = json.dumps(content, ensure_ascii=False)
-        with suppress(OSError), self.replacing(self._path(key)) as fresh:
-            fresh.write_text(f"{_sha256(text)}\n{text}", encoding="utf-8")
+        with suppress(OSError), self.replacing(self.path(key)) as fresh:
+            fresh.write_text(f"{sha256_of(text)}\n{text}", encoding="utf-8")
 
     @contextmanager
     def replacing(self, path: Path) -> Iterator[Path]:
@@ -87,8 +87,9 @@ class Cache:
             path.unlink(missing_ok=True)
             total -= size
 
-    def _path(self, key: str) -> Path:
-        return self.folder / key[:2] / f"{key}.json"
+    def path(self, key: str, kind: str = "json") -> Path:
+        """Where what has this name stands, or would stand."""
+        return self.folder / key[:2] / f"{key}.{kind}"
 
 
 class Remembering:
@@ -109,7 +110,7 @@ class Remembering:
         progress: Progress | None = None,
     ) -> Iterator[tuple[int, Made]]:
         """Each item's number and what was made of it: first what is known, then the rest when it is done."""
-        keys = _keys(task, space, items)
+        keys, space = _keys(task, space, items), space.kept_in(self._cache.folder)
         left = []
         self.asked += len(items)
         for number, key in enumerate(keys):
@@ -131,10 +132,11 @@ def _keys(task: Task[Given, Made], space: DesignSpace, items: Sequence[Given]) -
     content = task.depends(space.spec.canonical())
     where = f"{task.work.__module__}.{task.work.__qualname__}"
     common = [where, content, fingerprint(space.spec)]
-    return [_sha256(json.dumps([*common, encode(item)], ensure_ascii=False)) for item in items]
+    return [sha256_of(json.dumps([*common, encode(item)], ensure_ascii=False)) for item in items]
 
 
-def _sha256(text: str) -> str:
+def sha256_of(text: str) -> str:
+    """In hexadecimal."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 

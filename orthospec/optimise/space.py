@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,8 +30,10 @@ class DesignSpace:
     It is what every task is handed: a worker process unpacks the space of a spec once, and keeps it.
     """
 
-    def __init__(self, spec: Spec) -> None:
+    def __init__(self, spec: Spec, folder: Path | None = None) -> None:
         self.spec, self.setting = spec, setting_of(spec)
+        self.folder = folder
+        """Where fields may be kept, on a machine that has it."""
         varying = {name: v for name, v in spec.variables.items() if not v.choices and v.min < v.max}
         self.names = tuple(varying)
         self.low = np.array([v.min for v in varying.values()], dtype=float)
@@ -39,11 +42,15 @@ class DesignSpace:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickled as its spec alone, which stands without any file."""
-        return _unpacked, (self._packed,)
+        return _unpacked, (self._packed, self.folder)
 
     @cached_property
     def _packed(self) -> bytes:
         return pickle.dumps(self.spec)
+
+    def kept_in(self, folder: Path) -> DesignSpace:
+        """The same space, its fields kept in a folder."""
+        return DesignSpace(self.spec, folder)
 
     def values(self, z: Array) -> dict[str, float]:
         """All variables' values, exact at both ends of their ranges; a catalogue's is its start."""
@@ -68,8 +75,8 @@ class DesignSpace:
 
 
 @lru_cache(maxsize=4)
-def _unpacked(packed: bytes) -> DesignSpace:
-    return DesignSpace(pickle.loads(packed))
+def _unpacked(packed: bytes, folder: Path | None) -> DesignSpace:
+    return DesignSpace(pickle.loads(packed), folder)
 
 
 def machine_of(design: Design) -> Machine:

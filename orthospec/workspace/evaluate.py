@@ -14,7 +14,7 @@ from orthospec.measures import Demand, Level
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
 from orthospec.workspace.critical import find_peaks, highest_peaks
 from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
-from orthospec.workspace.field import Failure, Progress, State, measured, node_states, together
+from orthospec.workspace.field import Failure, KeptValues, Progress, State, measured, node_states, together
 from orthospec.workspace.grid import Grid, make_grid
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.polish import polish
@@ -113,18 +113,19 @@ def evaluate(
     setting: Setting,
     prescribed: Mapping[str, Cuboid] | None = None,
     progress: Progress | None = None,
+    kept: KeptValues | None = None,
 ) -> Evaluation:
     """Measure one design.
 
     ``prescribed`` gives the places of the prescribed cuboids, by measure, and "" for the joint one; where it
-    is left out each stands centred on its largest cuboid.
+    is left out each stands centred on its largest cuboid. ``kept`` has values on the grid from before.
     """
     demands = list(machine.demands.values())
     bounded = [demand for demand in demands if demand.bounds]
     levels = [(demand, level) for demand in demands for level in demand.levels]
     grid = make_grid(machine.manipulator, setting.size, setting.divisions, setting.region)
     asked = [*bounded, *(demand.at(level) for demand, level in levels)]
-    states, failures = node_states(machine.manipulator, asked, grid, progress)
+    states, failures = node_states(machine.manipulator, asked, grid, progress, kept)
     look = _Search(machine, setting, grid)
     own = {d.name: look.largest([d], state) for d, state in zip(bounded, states, strict=False)}
     nested = [

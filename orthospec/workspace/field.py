@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 BLOCK = 1 << 15
 """Poses to a block: bounded memory whatever the grid."""
 
+MOST_KEPT = 1 << 22
+"""Values on grids of more nodes are not kept: they would fill memory and disk."""
+
 Progress = Callable[[str, int, int], None]
 """Told what is being done, how much is done, and of how much."""
 
@@ -38,6 +41,16 @@ class State(IntEnum):
     MEETS = 1
     VIOLATES = 2
     FAILED = 3
+
+
+class KeptValues(Protocol):
+    """Values of measures on grids, kept from an earlier time: they do not depend on the bounds."""
+
+    def read(self, measure: str, grid: Grid) -> Array | None:
+        """The measure's values at the reachable nodes, in their order; None where they are not kept."""
+
+    def write(self, measure: str, grid: Grid, values: Array) -> None:
+        """Keep them."""
 
 
 @dataclass(frozen=True)
@@ -91,11 +104,38 @@ def _reachable_blocks(
             yield start + np.flatnonzero(reachable), inside
 
 
+class _Values:
+    """A measure's values block by block: those that are kept, or measured now and then kept."""
+
+    def __init__(self, demand: Demand, grid: Grid, kept: KeptValues | None) -> None:
+        self._demand, self._grid = demand, grid
+        self._kept = kept if grid.nodes <= MOST_KEPT else None
+        self._known = self._kept.read(demand.name, grid) if self._kept else None
+        self._new: list[Array] = []
+        self._done = 0
+
+    def at(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The values at the next reachable poses."""
+        if self._known is not None:
+            self._done += len(poses)
+            return self._known[self._done - len(poses) : self._done]
+        values = measured(self._demand, manipulator, poses)
+        if self._kept:
+            self._new.append(values)
+        return values
+
+    def keep(self) -> None:
+        """All blocks have been asked for."""
+        if self._kept and self._new:
+            self._kept.write(self._demand.name, self._grid, np.concatenate(self._new))
+
+
 def node_states(
     manipulator: Manipulator,
     demands: Sequence[Demand],
     grid: Grid,
     progress: Progress | None = None,
+    kept: KeptValues | None = None,
 ) -> tuple[list[NDArray[np.uint8]], list[Failure]]:
     """The state of each node under each demand alone, shaped as the grid; and the first failure of each.
 
@@ -104,21 +144,22 @@ def node_states(
     """
     states = [np.zeros(grid.nodes, dtype=np.uint8) for _ in demands or (None,)]
     owners = [next(i for i, other in enumerate(demands) if other.measure == d.measure) for d in demands]
+    sources = {owner: _Values(demands[owner], grid, kept) for owner in owners}
     failures: dict[str, Failure] = {}
     for nodes, inside in _reachable_blocks(manipulator, grid, progress):
-        values: list[Array] = []
-        for k, demand in enumerate(demands):
-            same = owners[k]
-            values.append(values[same] if same < k else measured(demand, manipulator, inside))
-            found = values[k]
+        values = {owner: source.at(manipulator, inside) for owner, source in sources.items()}
+        for state, owner, demand in zip(states, owners, demands, strict=False):
+            found = values[owner]
             failed = np.isnan(found).any(axis=tuple(range(1, found.ndim)))
             met = np.where(demand.meets(found), State.MEETS, State.VIOLATES)
-            states[k][nodes] = np.where(failed, State.FAILED, met)
+            state[nodes] = np.where(failed, State.FAILED, met)
             if failed.any() and demand.name not in failures:
                 pose = tuple(map(float, inside[int(np.argmax(failed))]))
                 failures[demand.name] = Failure(demand.name, pose, demand.place)
         if not demands:
             states[0][nodes] = State.MEETS
+    for source in sources.values():
+        source.keep()
     return [state.reshape(grid.shape) for state in states], list(failures.values())
 
 
