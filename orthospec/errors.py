@@ -90,16 +90,15 @@ class PluginFault(OrthospecError):
 
 
 class WorkersLost(OrthospecError):
-    """The processes that were to do a task died, and so did those begun in their place."""
+    """Those who were to do a task are gone; what they completed is kept."""
 
-    def __init__(self, task: str, attempts: int) -> None:
+    exit_code = 4
+
+    def __init__(self, task: str, why: str) -> None:
         self.task = task
-        self.attempts = attempts
-        super().__init__(task, attempts)
+        self.why = why
+        super().__init__(task, why)
 
     def __str__(self) -> str:
         """What was being done, and what may be the reason."""
-        return (
-            f"the worker processes died {self.attempts} times ({self.task}): there may be too little memory"
-            " for so many, so try fewer --jobs"
-        )
+        return f"stopped at '{self.task}': {self.why}"

@@ -115,7 +115,10 @@ class TestProcesses:
     def test_a_task_that_kills_every_worker_is_told(
         self, spec: Spec, helper: Callable[[str], Task[Any, Any]]
     ) -> None:
-        with hired(jobs=2) as two, pytest.raises(WorkersLost, match=r"died 3 times .*fewer --jobs"):
+        with (
+            hired(jobs=2) as two,
+            pytest.raises(WorkersLost, match=r"stopped at 'die': .* died 3 times; .* fewer --jobs"),
+        ):
             workers.in_order(two, helper("die"), DesignSpace(spec), [1, 2])
 
     def test_of_several_errors_that_of_the_first_item_is_told(
@@ -133,7 +136,7 @@ class TestProcesses:
         SpecError([Mistake("a.yaml", 1, 2, "wrong")]),
         UnbuildableDesign({"leg": 0.3}, "too short"),
         PluginFault("bad", "raised", "a.yaml:1:2"),
-        WorkersLost("sweep", 3),
+        WorkersLost("sweep", "gone"),
     ],
 )
 def test_errors_cross_from_one_process_to_another_unharmed(error: OrthospecError) -> None:

@@ -6,12 +6,13 @@ follows depends on who was first.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed, wait
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor, as_completed, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
@@ -92,7 +93,8 @@ class Processes:
                 return
             except BrokenProcessPool:
                 self.close()
-        raise WorkersLost(task.name, ATTEMPTS)
+        why = f"the worker processes died {ATTEMPTS} times; if memory is short, try fewer --jobs"
+        raise WorkersLost(task.name, why)
 
     def close(self) -> None:
         """End the processes, in the middle of their work if need be."""
@@ -131,6 +133,8 @@ class Cluster:
         except ImportError:
             message = "--on needs Dask, which is not installed: pip install 'orthospec[dask]'"
             raise UsageError(message) from None
+        # What goes wrong is raised; Dask's log would tell it again, by traces.
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
         try:
             self._client: Any = Client(url, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -146,8 +150,16 @@ class Cluster:
         """Each item's number and what was made of it, as they are completed."""
         if progress is not None and not self._client.scheduler_info()["workers"]:
             progress("waiting for a worker of the cluster", 0, 0)
+        from distributed import KilledWorker
+
         work = _Checked(task.work, fingerprint(space.spec))
-        yield from _completed(self._client.get_executor(), work, space, dict(enumerate(items)))
+        try:
+            yield from _completed(self._client.get_executor(), work, space, dict(enumerate(items)))
+        except KilledWorker:
+            why = "one worker after another died of it; if memory is short, give them more"
+            raise WorkersLost(task.name, why) from None
+        except CancelledError:
+            raise WorkersLost(task.name, "the scheduler no longer answers") from None
 
     def close(self) -> None:
         """Take back what is not done, and leave the scheduler and its workers to others."""
