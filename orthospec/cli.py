@@ -148,7 +148,7 @@ def run(
     problem = load_spec(Path(spec), settings or [])
     folder = out or Path("runs") / ("stdin" if spec == "-" else Path(spec).stem)
     check_destination(folder)
-    with ProgressLine(sys.stderr) as progress, _workers(jobs, on, cache, resume) as workers:
+    with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
         outcome = solve(problem, progress=progress, workers=workers)
     return _hand_over(problem, outcome, folder, fields, as_json)
 
@@ -205,7 +205,7 @@ def evaluate(
         check_destination(out)
     elif fields:
         raise UsageError("--fields writes into a result folder: give one with -o DIR")
-    with ProgressLine(sys.stderr) as progress, _workers(jobs, on, cache, resume) as workers:
+    with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
         outcome = evaluate_spec(problem, values, progress=progress, workers=workers)
     return _hand_over(problem, outcome, out, fields, as_json)
 

@@ -189,6 +189,18 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:
         Cache(tmp_path / "file" / "cache")
 
 
+def test_where_the_users_folder_cannot_be_written_the_run_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, spec_of: Callable[..., Spec]
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    space = DesignSpace(spec_of(SPEC))
+    with remembering(Here()) as workers:
+        assert in_order(workers, Task("twice", _twice, problem_of), space, [1.0]) == [2.0]
+        assert in_order(workers, Task("twice", _twice, problem_of), space, [1.0]) == [2.0]
+    assert (workers.known, workers.asked) == (1, 2)
+
+
 def test_the_users_folder_is_the_one_of_the_system() -> None:
     assert user_cache().name == "orthospec"
 

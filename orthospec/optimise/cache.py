@@ -141,13 +141,24 @@ def sha256_of(text: str) -> str:
 
 
 @contextmanager
-def remembering(workers: Workers, folder: Path | None) -> Iterator[Remembering]:
-    """Workers that keep results in a folder; in the user's cache folder where none is given."""
-    cache = Cache(folder or user_cache())
+def remembering(workers: Workers, folder: Path | None = None) -> Iterator[Remembering]:
+    """Workers that keep results in a folder.
+
+    Without one it is the user's cache folder, or where that cannot be written one for this run alone.
+    """
+    with tempfile.TemporaryDirectory() as passing:
+        cache = Cache(folder) if folder is not None else _users_or(Path(passing))
+        try:
+            yield Remembering(workers, cache)
+        finally:
+            cache.trim()
+
+
+def _users_or(other: Path) -> Cache:
     try:
-        yield Remembering(workers, cache)
-    finally:
-        cache.trim()
+        return Cache(user_cache())
+    except UsageError:
+        return Cache(other)
 
 
 def user_cache() -> Path:

@@ -47,7 +47,10 @@ class Stopped(KeyboardInterrupt):
 
 def problem_of(content: Mapping[str, Any]) -> dict[str, Any]:
     """What a solve depends on: not the grid, levels, poses, a sweep, or where the search starts."""
-    ranges = {name: _without(one, "start") for name, one in content["variables"].items()}
+    ranges = {
+        name: _without(one, "start") if one["min"] < one["max"] else one
+        for name, one in content["variables"].items()
+    }
     measures = {name: _without(one, "levels") for name, one in content["measures"].items()}
     goals, machine = content["goals"], content["manipulator"]
     workspace = _without(content["workspace"], "divisions")
