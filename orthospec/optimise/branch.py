@@ -13,9 +13,10 @@ from typing import Any
 
 from orthospec.errors import UsageError
 from orthospec.optimise.attain import Attained, Hunt, hunt
-from orthospec.optimise.explore import start_at
+from orthospec.optimise.explore import problem_on_grid, start_at
 from orthospec.optimise.space import DesignSpace
-from orthospec.optimise.workers import Workers
+from orthospec.optimise.tasks import Task
+from orthospec.optimise.workers import Workers, in_order
 from orthospec.result import Branch
 from orthospec.spec import Spec
 from orthospec.workspace.field import Progress
@@ -78,7 +79,7 @@ def catalogues(spec: Spec) -> tuple[str, ...]:
 
 def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None) -> Branches:
     """Search each branch; stopped by Ctrl-C it gives back what it has."""
-    choices, combinations = _combinations(spec)
+    choices, combinations = _combinations(spec, workers, progress)
     hunts = []
     for choice in choices:
         space = DesignSpace(spec.chosen(choice))
@@ -88,7 +89,7 @@ def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None
     return Branches(combinations, tuple(hunts))
 
 
-def _combinations(spec: Spec) -> tuple[list[Choice], int]:
+def _combinations(spec: Spec, workers: Workers, progress: Progress | None) -> tuple[list[Choice], int]:
     """The combinations to search, and how many there are."""
     lists = {name: spec.variables[name].choices for name in catalogues(spec)}
     every: list[Choice] = [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
@@ -98,19 +99,32 @@ def _combinations(spec: Spec) -> tuple[list[Choice], int]:
         )
     if len(every) <= MOST:
         return every, len(every)
-    return _screened(spec, every), len(every)
+    return _screened(spec, every, workers, progress), len(every)
 
 
-def _screened(spec: Spec, every: list[Choice]) -> list[Choice]:
+def _screened(spec: Spec, every: list[Choice], workers: Workers, progress: Progress | None) -> list[Choice]:
     """The best combinations on the coarse grid, in their own order."""
-    merits = []
-    for number, choice in enumerate(every):
-        space = DesignSpace(spec.chosen(choice))
-        start = start_at(space, tuple(map(float, space.scaled(spec.default_values()))))
-        if start is not None:
-            merits.append((start.merit, number))
-    kept = sorted(number for _, number in sorted(merits)[:MOST])
+    choices = [tuple(choice.items()) for choice in every]
+    merits = in_order(workers, SCREEN, DesignSpace(spec), choices, progress)
+    known = sorted((merit, number) for number, merit in enumerate(merits) if merit is not None)
+    kept = sorted(number for _, number in known[:MOST])
     return [every[number] for number in kept] or every[:1]
+
+
+def start_merit(
+    space: DesignSpace, choice: tuple[tuple[str, float], ...], _: Progress | None = None
+) -> float | None:
+    """The merit of the spec's own start with a combination; None where there is no start."""
+    branch = DesignSpace(space.spec.chosen(dict(choice)))
+    start = start_at(branch, tuple(map(float, branch.scaled(space.spec.default_values()))))
+    return None if start is None else start.merit
+
+
+def _start_on_grid(content: Mapping[str, Any]) -> dict[str, Any]:
+    return {**problem_on_grid(content), "variables": content["variables"]}
+
+
+SCREEN = Task("screening the catalogues", start_merit, _start_on_grid)
 
 
 def _record(space: DesignSpace, best: Attained | None) -> Branch:

@@ -92,11 +92,12 @@ def start_at(space: DesignSpace, z: tuple[float, ...], _: Progress | None = None
     return None
 
 
-def _problem_on_grid(content: Mapping[str, Any]) -> dict[str, Any]:
+def problem_on_grid(content: Mapping[str, Any]) -> dict[str, Any]:
+    """What a design's first measuring depends on: the problem, and how coarse the grid is."""
     return {**problem_of(content), "divisions": min(content["workspace"]["divisions"], COARSE)}
 
 
-MEASURE = Task("designs on the coarse grid", start_at, _problem_on_grid, (Start, Place, Group))
+MEASURE = Task("designs on the coarse grid", start_at, problem_on_grid, (Start, Place, Group))
 
 
 def _judged(space: DesignSpace, place: Place) -> Start:
