@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -10,6 +11,9 @@ import pytest
 from orthospec import registry
 from orthospec.measures import Measure
 from orthospec.optimise import attain, evaluate_spec, run, solve
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Stopped
+from orthospec.optimise.workers import Here
 
 HEAD = """\
 orthospec: 1
@@ -293,6 +297,26 @@ class TestEndings:
         assert outcome.interrupted
         assert outcome.finding.search.subproblems >= 5
         assert outcome.finding.design.values["leg"] == pytest.approx(LEG, rel=0.1)
+
+
+class OutOfOrder:
+    """Workers that have the first and third solve at hand, and are stopped in the middle of the second."""
+
+    def each(self, task, space, items, progress=None):
+        done = list(Here().each(task, space, items, progress))
+        if task is not attain.ATTAIN:
+            yield from done
+            return
+        yield done[0]
+        yield done[2]
+        raise Stopped(replace(done[1][1], factor=9.0))
+
+
+def test_what_a_stopped_solve_leaves_takes_no_others_place(spec_of):
+    found = attain.hunt(DesignSpace(spec_of(SHORTEST, "optimise.starts=8")), OutOfOrder())
+    assert found.interrupted
+    assert len(found.solved) == 3
+    assert sorted(one.factor for one in found.solved.values())[-1] == 9.0
 
 
 class Radius(Measure):

@@ -190,7 +190,7 @@ def hunt(space: DesignSpace, workers: Workers, progress: Progress | None = None)
     except Stopped as stopped:
         state.interrupted = True
         if isinstance(stopped.made, Attained):
-            state.solved[len(state.solved)] = stopped.made
+            state.solved[max(state.solved, default=-1) + 1] = stopped.made
     except KeyboardInterrupt:
         state.interrupted = True
     return state
