@@ -23,6 +23,7 @@ CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
 SOLVED = {
     "orthoglide-200": ({"leg": 0.3105828541}, 0.0105828541),
     "orthoglide-1x1x0.8": ({"base": 1.4475348021, "third": 1.4475348021}, 0.1475348021),
+    "orthoglide-1x1x0.8-pareto": ({"base": 1.4475348021, "third": 1.4475348021}, 0.1475348021),
     "orthoglide-1x1x0.8-sum": ({"base": 1.4415023, "third": 1.4589037}, 0.3419083578),
     "orthoglide-1x1x0.8-third-hard": ({"base": 1.4240449719, "third": 1.5}, 0.1240449719),
     "orthoglide-condition": ({"leg": 0.32623139}, 1.0),

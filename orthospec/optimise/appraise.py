@@ -105,6 +105,7 @@ def _lasting(found: Appraisal) -> bool:
 _PARTS = (Appraisal, Evaluation, Measured, Largest, Prescribed, Value, Cuboid, Level)
 APPRAISE = Task("measuring the design", appraise, machine_and_measures, _PARTS, _lasting)
 SWEEP = replace(APPRAISE, name="sweep")
+FRONT = replace(APPRAISE, name="measuring the Pareto set")
 
 
 def appraised(

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from orthospec.errors import PluginFault
-from orthospec.optimise.appraise import SWEEP, Asked, appraised, asked, error_of
+from orthospec.optimise.appraise import FRONT, SWEEP, Asked, appraised, asked, error_of
 from orthospec.optimise.attain import Attained
 from orthospec.optimise.branch import hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
+from orthospec.optimise.pareto import find_front
 from orthospec.optimise.space import DesignSpace, setting_of
 from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
@@ -116,12 +117,15 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     status = "unfinished" if stopped else _status(best, evaluation, attainment, known.faults)
     limits: tuple[Limit, ...] = ()
     card: Card | None = None
+    front: tuple[Finding, ...] = ()
     sweep: tuple[Finding, ...] = ()
     left_out: tuple[PluginError, ...] = ()
     try:
         limits = clock.time("limits", lambda: _limits(space, best, status, doing, progress))
         if best is not None and not best.feasible and status == "infeasible":
             card = clock.time("card", lambda: _card(space, best, limits, progress))
+        if spec.pareto is not None and status in ("attained", "compromise"):
+            front = clock.time("pareto", lambda: _front(spec, doing, progress))
         if not stopped:
             sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
     except KeyboardInterrupt:
@@ -137,7 +141,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         branches.records(),
     )
     errors = (*known.errors, *left_out)
-    finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors)
+    finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)
     return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
 
 
@@ -219,6 +223,31 @@ def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, .
                 "goal": f"goal {limit.name}: a hard bound",
             }[limit.kind]
         )
+    return tuple(found)
+
+
+def _front(spec: Spec, workers: Workers, progress: Progress | None) -> tuple[Finding, ...]:
+    """The Pareto set, each point as a finding; prices are parts of the goals' ranges over the set."""
+    points = find_front(spec, workers, progress)
+    whole = DesignSpace(spec)
+    ends = [point.met.attained.end for point in points]
+    designs = [whole.design(end.design) for end in ends]
+    asks = [
+        asked(design, spec.workspace.divisions, end.cuboids(whole))
+        for design, end in zip(designs, ends, strict=True)
+    ]
+    soft = {plan.name for plan in spec.goals if plan.is_soft}
+    found = []
+    for point, design, known in zip(
+        points, designs, in_order(workers, FRONT, whole, asks, progress), strict=True
+    ):
+        if known.error is not None or known.evaluation is None:
+            continue
+        limits = find_limits(point.space(spec), point.met.attained, workers, progress)
+        kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
+        attainment = _attainment(design, known.evaluation)
+        status = _status(point.met.attained, known.evaluation, attainment, known.faults)
+        found.append(Finding(status, design, known.evaluation, attainment, kept, is_knee=point.is_knee))
     return tuple(found)
 
 

@@ -29,8 +29,10 @@ def compose(spec: Spec, finding: Finding) -> dict[str, Any]:
         "status": finding.status,
         **_given(attainment=_attainment(finding.attainment)),
         **_design(spec, finding),
+        **({"limits": _limits(finding.limits)} if finding.search is not None else {}),
         **_given(
             search=_search(spec, finding.search),
+            pareto=[_pareto(spec, point) for point in finding.pareto],
             sweep=[_design(spec, point) for point in finding.sweep],
             errors=_errors(spec, finding),
         ),
@@ -84,7 +86,15 @@ def _design(spec: Spec, finding: Finding) -> dict[str, Any]:
         "manipulator": {"use": spec.manipulator.use, **_fields(finding.design.manipulator)},
         **_given(indices=_by_name(evaluation.indices), joints=_joints(evaluation)),
         "workspace": _workspace(evaluation),
-        **({"limits": _limits(finding.limits)} if finding.search is not None else {}),
+    }
+
+
+def _pareto(spec: Spec, point: Finding) -> dict[str, Any]:
+    return {
+        **({"knee": True} if point.is_knee else {}),
+        **_given(attainment=_attainment(point.attainment)),
+        **_design(spec, point),
+        "limits": _limits(point.limits),
     }
 
 

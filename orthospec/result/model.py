@@ -191,6 +191,15 @@ class DesignRecord(_Record):
     limits: list[LimitRecord] = []
 
 
+class ParetoRecord(DesignRecord):
+    """A design of a Pareto set; prices are parts of the goals' ranges over the set."""
+
+    knee: bool = False
+    """Whether it stands out furthest."""
+    attainment: AttainmentRecord | None = None
+    """By the spec's own goals and weights."""
+
+
 class Result(DesignRecord):
     """A whole result file."""
 
@@ -199,6 +208,7 @@ class Result(DesignRecord):
     status: Status
     attainment: AttainmentRecord | None = None
     search: SearchRecord | None = None
+    pareto: list[ParetoRecord] = []
     sweep: list[DesignRecord] = []
     errors: list[ErrorRecord] = []
     provenance: dict[str, Any] = {}

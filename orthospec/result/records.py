@@ -134,3 +134,6 @@ class Finding:
     search: Search | None = None
     sweep: tuple[Finding, ...] = ()
     errors: tuple[PluginError, ...] = ()
+    pareto: tuple[Finding, ...] = ()
+    is_knee: bool = False
+    """Whether it is the knee of a Pareto set."""

@@ -56,6 +56,7 @@ class _Writer:
         self._limits()
         self._card()
         self._branches()
+        self._pareto()
         self._sweep()
         self._errors()
 
@@ -203,6 +204,25 @@ class _Writer:
             self.page.sentence(f"{said} ({one.place})")
             self.page.sentence(way, indent=4)
         self.page.sentence(words.ways_out(card))
+
+    def _pareto(self) -> None:
+        """The Pareto set, one row a design: the goals, then the variables."""
+        front = self.result.pareto
+        if not front:
+            return
+        self.page.heading(f"Pareto set: {len(front)} design{'' if len(front) == 1 else 's'}")
+        soft = [
+            n for n, goal in (front[0].attainment.goals if front[0].attainment else {}).items() if goal.weight
+        ]
+        names = list(front[0].variables)
+        rows = []
+        for number, one in enumerate(front, start=1):
+            goals = one.attainment.goals if one.attainment else {}
+            units = {n: self.known.goals[n].unit if n in self.known.goals else UNKNOWN for n in soft}
+            row = [self.numbers.value(goals[n].value, units[n]) for n in soft]
+            row += [self.numbers.value(one.variables[n], self.known.variables.get(n, UNKNOWN)) for n in names]
+            rows.append([f"{number} knee" if one.knee else f"{number}", *row])
+        self.page.table(["", *soft, *names], rows)
 
     def _branches(self) -> None:
         """What each combination of choices came to."""

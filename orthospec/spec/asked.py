@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast, get_args
 
 from orthospec.quantities import Expression
@@ -89,6 +89,29 @@ def goals(draft: Draft) -> list[GoalPlan]:
     """The goals that are well given."""
     plans = [_goal(draft, name, keys) for name, keys in draft.keys.goals.items()]
     return [plan for plan in plans if plan is not None]
+
+
+def pareto(draft: Draft, plans: Sequence[GoalPlan]) -> int | None:
+    """How many points of a Pareto set are asked for; a mistake where there can be none."""
+    keys = draft.keys.pareto
+    if keys is None:
+        return None
+    soft = [plan for plan in plans if plan.is_soft]
+    several = len(soft) in (2, 3) or len(plans) < len(draft.keys.goals)
+    if not several:
+        message = f"a Pareto set is of 2 or 3 goals with weights above 0, {len(soft)} given"
+        draft.wrong(("pareto",), message, at_key=True)
+    for plan in soft:
+        if plan.sense == "match":
+            message = "in a Pareto set a goal to match is a hard bound: leave its weight out"
+            draft.wrong(("goals", plan.name, "weight"), message)
+    for name, one in draft.keys.variables.items():
+        if one.choices is not None:
+            message = "'choices' beside 'pareto' are not available in this version"
+            draft.wrong(("variables", name, "choices"), message, at_key=True)
+    if not draft.names:
+        draft.wrong(("pareto",), "a Pareto set needs design variables, and the spec has none", at_key=True)
+    return keys.points
 
 
 def measures_in_goals(draft: Draft) -> frozenset[str]:

@@ -13,7 +13,6 @@ def check(draft: Draft) -> None:
     given = {
         ("manipulator", "tolerance"): keys.manipulator.tolerance,
         ("workspace", "orientation"): keys.workspace.orientation,
-        ("pareto",): keys.pareto,
         ("proof",): keys.proof or None,
     }
     for path, value in given.items():

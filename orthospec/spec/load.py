@@ -62,6 +62,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
     variables = resolve.variables(draft)
     workspace, poses, sweep = resolve.workspace(draft), resolve.poses(draft), resolve.sweep(draft)
     goals = asked.goals(draft)
+    pareto = asked.pareto(draft, goals)
     demands = asked.demands(draft, asked.measures_in_goals(draft))
     machine = _machine(draft)
     built = trials.build(draft, machine, variables) if machine else None
@@ -82,6 +83,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
         poses=poses,
         sweep=sweep,
         optimise=draft.keys.optimise,
+        pareto=pareto,
         source=source,
         solved=taken,
         document=document,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -66,6 +66,19 @@ class GoalPlan:
     goal: Reading
     weight: Reading | None
     place: str
+
+    @property
+    def is_soft(self) -> bool:
+        """Whether the goal may be missed, at a price."""
+        return self.weight is None or isinstance(self.weight, Expression) or self.weight > 0
+
+    def aimed(self, easier: float, weight: float) -> GoalPlan:
+        """The same goal, by so much easier, with another weight."""
+        by = -easier if self.sense == "maximise" else easier
+        moved = (
+            self.goal + by if isinstance(self.goal, float) else Expression(f"({self.goal.text}) + ({by!r})")
+        )
+        return replace(self, goal=moved, weight=weight)
 
     def at(self, values: Mapping[str, float]) -> Goal:
         """The goal at these values of the variables; raises `ExpressionError`."""

@@ -36,6 +36,8 @@ class Spec:
     poses: Mapping[str, tuple[float, ...]]
     sweep: Sweep | None
     optimise: OptimiseKeys
+    pareto: int | None
+    """How many points of a Pareto set to look for; None: none is asked for."""
     source: str
     """The text as run, with what ``--set`` changed and the keys of a solved machine in their place."""
     solved: Solved | None
@@ -64,6 +66,18 @@ class Spec:
         fixed = {name: Variable(value, value, value) for name, value in values.items()}
         return replace(self, variables={**self.variables, **fixed})
 
+    def aimed(self, aims: Mapping[str, tuple[float, float]]) -> Spec:
+        """The same problem with other aims: of the soft goals those that are named, by so much easier.
+
+        Each has a weight of its own; soft goals that are not named are left out.
+        """
+        goals = [
+            plan.aimed(*aims[plan.name]) if plan.is_soft else plan
+            for plan in self.goals
+            if plan.name in aims or not plan.is_soft
+        ]
+        return replace(self, goals=tuple(goals))
+
     def place(self, path: Path) -> str:
         """``FILE:LINE:COLUMN`` of a key or list item: ``place(("measures", "transmission"))``."""
         return self.document.place(path)
@@ -87,6 +101,7 @@ class Spec:
             "poses": {name: list(pose) for name, pose in self.poses.items()},
             "sweep": None if self.sweep is None else asdict(self.sweep),
             "optimise": self.optimise.model_dump(),
+            **({} if self.pareto is None else {"pareto": self.pareto}),
         }
 
     def sha256(self) -> str:
