@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orthospec.workspace.critical import MOST, find_peaks, highest_peaks
+from orthospec.workspace.critical import KEPT, MOST, find_peaks, highest_peaks, worst_points
 
 inner = st.floats(-0.49, 0.49)
 
@@ -152,3 +152,31 @@ def test_the_highest_peak_of_each_function_is_climbed_up_a_cone():
     assert found.value[1] == 0.5
     assert found.value[0] > find_peaks(functions, 3).greatest(2)[0]
     assert found.value[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_flat_peaks_many_points_do_not_crowd_out_a_corner():
+    many = np.column_stack([np.linspace(-0.05, 0.05, 3 * KEPT), np.zeros(3 * KEPT)])
+    u = np.vstack([many, [[0.5, 0.5]]])
+    values = np.concatenate([-1e-3 * many[:, 0] ** 2, [-0.2]])[None]
+    kept = worst_points(values, u)
+    assert len(kept) == KEPT
+    assert len(u) - 1 in kept
+    assert int(values.argmax()) in kept
+
+
+def test_the_worst_point_of_each_row_is_kept_and_one_that_is_not_known_is_not():
+    u = np.column_stack([np.linspace(-0.5, 0.5, 4 * KEPT), np.zeros(4 * KEPT)])
+    values = np.stack([u[:, 0], -2.0 - u[:, 0]])
+    values[1, -1] = np.inf
+    kept = worst_points(values, u)
+    assert {0, len(u) - 2} <= set(kept)
+    assert len(u) - 1 not in kept
+
+
+@pytest.mark.parametrize("known", [np.array([[0.2, 0.5], [-0.13, 0.5]]), None])
+def test_points_on_a_ridge_stay_where_they_are(known):
+    """What changes by rounding only along a ridge is no rise: points would wander, and become ever more."""
+    peaks = find_peaks(lambda u: (u[:, 1] + 1e-16 * np.sin(1e3 * u[:, 0]))[None], 2, known=known)
+    places = {tuple(u) for u in peaks.u}
+    assert len(places) <= 3 + (0 if known is None else len(known))
+    assert known is None or {tuple(u) for u in known} <= places

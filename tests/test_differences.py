@@ -132,6 +132,16 @@ def test_curvature_that_cannot_be_had_counts_as_none():
     np.testing.assert_array_equal(found, np.zeros((2, 2)))
 
 
+@pytest.mark.parametrize("off", [0.0, 3e-5, 4e-5, -1.2e-4])
+def test_a_kink_has_no_curvature(off):
+    def kinked(points):
+        x, y = points.T
+        return np.column_stack([np.maximum(x - off, 0.0), x**2 + x * y])
+
+    found = hessian(kinked, np.ones(2), np.zeros(2), np.ones(2), -FREE[:2], FREE[:2])
+    np.testing.assert_allclose(found, [[2, 1], [1, 0]], atol=1e-6)
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_positive_part_is_the_nearest_semidefinite_matrix(seed):
     matrix = np.random.default_rng(seed).normal(size=(4, 4))

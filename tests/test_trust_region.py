@@ -36,6 +36,9 @@ class Scalar:
     def smooth(self, points, rows):  # noqa: ARG002
         return np.array([self.values(x) for x in points])
 
+    def drift(self, x, rows, step):  # noqa: ARG002
+        return np.zeros((1, 1))
+
 
 def test_a_vertex_is_reached_at_first_order():
     found = minimise(Scalar(lambda x: x, lambda x: 2 - x * x, lower=0.1), np.array([3.0]))

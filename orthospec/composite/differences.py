@@ -13,12 +13,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from orthospec.arrays import Array
 
 FIRST = 6e-6
 """Step of first differences relative to a variable's scale, near ε^(1/3): errors of some 1e-10."""
 SECOND = 2e-4
 """Step of second differences, near ε^(1/4): errors of some 1e-8."""
+CLOSER = 4.0
+"""How many times closer the step is that tells a kink from curvature."""
+KINK = 100.0
+"""Second differences below this, per scale squared, are not worth the question."""
 
 
 def jacobian(
@@ -45,24 +51,43 @@ def jacobian(
 def hessian(
     smooth: Callable[[Array], Array], weights: Array, x: Array, scale: Array, lower: Array, upper: Array
 ) -> Array:
-    """Hessian (n, n) of weights·smooth at x, taken a step inside where x lies on a bound."""
+    """Hessian (n, n) of weights·smooth at x, taken a step inside where x lies on a bound.
+
+    A row with a kink near x is left out: a kink has no curvature, and its second difference, the greater
+    the smaller the step, would swamp that of all other rows.
+    """
     n, h = len(x), SECOND * scale
     centre = np.clip(x, lower + h, upper - h)
     steps, pairs = np.diag(h), list(combinations(range(n), 2))
-    mixed = [steps[i] + steps[j] for i, j in pairs]
-    points = np.vstack(
-        [centre, centre + steps, centre - steps, *(centre + m for m in mixed), *(centre - m for m in mixed)]
-    )
+    mixed = np.reshape([steps[i] + steps[j] for i, j in pairs], (-1, n))
+    offsets = [steps, -steps, steps / CLOSER, -steps / CLOSER, mixed, -mixed]
+    points = np.vstack([centre, *(centre + offset for offset in offsets)])
     used = weights != 0
     with np.errstate(invalid="ignore"):
-        f = smooth(points)[:, used] @ weights[used]
-        f0, plus, minus = f[0], f[1 : n + 1], f[n + 1 : 2 * n + 1]
-        second = np.diag((plus - 2 * f0 + minus) / h**2)
-        for k, (i, j) in enumerate(pairs):
-            both = f[2 * n + 1 + k] + f[2 * n + 1 + len(pairs) + k]
-            value = (both - plus[i] - minus[i] - plus[j] - minus[j] + 2 * f0) / (2 * h[i] * h[j])
-            second[i, j] = second[j, i] = value
+        values = smooth(points)[:, used]
+        f0, rest = values[0], values[1:]
+        plus, minus, near_plus, near_minus = rest[: 4 * n].reshape(4, n, -1)
+        wide = (plus - 2 * f0 + minus) / h[:, None] ** 2
+        close = (near_plus - 2 * f0 + near_minus) / (h[:, None] / CLOSER) ** 2
+        right, left = (
+            2 * (far - f0 - CLOSER * (near - f0)) / (h[:, None] ** 2 * (1 - 1 / CLOSER))
+            for far, near in ((plus, near_plus), (minus, near_minus))
+        )
+        kinked = _differ(wide, close) | _differ(right, left)
+        weights = np.where(kinked, 0.0, weights[used])
+        f0, plus, minus, rest = (weighed @ weights for weighed in (f0, plus, minus, rest[4 * n :]))
+        second = np.diag(wide @ weights)
+        both = rest[: len(pairs)] + rest[len(pairs) :]
+        for value, (i, j) in zip(both, pairs, strict=True):
+            cross = (value - plus[i] - minus[i] - plus[j] - minus[j] + 2 * f0) / (2 * h[i] * h[j])
+            second[i, j] = second[j, i] = cross
     return np.nan_to_num(second, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def _differ(one: Array, other: Array) -> NDArray[np.bool_]:
+    """Of which rows two second differences (n, t), which smoothness makes alike, are large and far apart."""
+    greater = np.maximum(np.abs(one), np.abs(other))
+    return np.asarray(((np.abs(one - other) > 0.5 * greater) & (greater > KINK)).any(axis=0))
 
 
 def positive_part(matrix: Array) -> Array:

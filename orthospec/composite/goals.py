@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.composite.subproblem import HalfLines, Rows
+from orthospec.composite.subproblem import HalfLines, Rows, Step
 from orthospec.composite.trust_region import Assessment, Solution, minimise
 
 if TYPE_CHECKING:
@@ -57,6 +57,9 @@ class _Goals:
 
     def rows(self, x: Array) -> Rows:  # noqa: ARG002
         return Rows((), HalfLines(0, self.weights, (self.weights == 0).astype(float)))
+
+    def drift(self, x: Array, rows: Rows, step: Step) -> Array:  # noqa: ARG002
+        return np.zeros((len(x), len(x)))
 
 
 def attain_goals(

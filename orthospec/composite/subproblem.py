@@ -85,7 +85,7 @@ class Step:
     pressure: float
     """Sum of the multipliers on the slack: a penalty below it would be cheaper than the bounds."""
     shares: Array
-    """The part of the pressure that each half-line, then each block, has."""
+    """The part of the pressure that each half-line, then each copy of each block, has."""
 
 
 def solve(
@@ -213,7 +213,7 @@ def _read(rows: Rows, x: Array, dual: Array, n: int, penalty: float) -> Step:
         count = len(block.template.offset)
         part = dual[at : at + block.copies * count].reshape(block.copies, count)
         multipliers[block.start : block.stop] = (part @ block.template.on_inside).ravel()
-        shares.append(np.array([-float(np.sum(part @ block.template.on_slack))]))
+        shares.append(-(part @ block.template.on_slack))
         at += block.copies * count
     on_bounds = np.column_stack([dual[:n], dual[n : 2 * n]])
     pressure = float(penalty - on_slack)

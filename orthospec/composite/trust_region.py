@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from orthospec.composite.differences import hessian, jacobian, positive_part
+from orthospec.composite.curvature import binding_gradients, bound_gradients, convex_part
+from orthospec.composite.differences import hessian, jacobian
 from orthospec.composite.subproblem import Rows, Step, solve
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ SHARPENINGS = 2
 """Most steps that only sharpen x."""
 RADIUS = (0.2, 1.0, 1e-10)
 """First, greatest and least trust radius, in scaled variables."""
+SHRINK = (0.1, 0.4)
+"""Least and greatest part of a step's length to which the radius shrinks after it."""
 PENALTY = (10.0, 1e6)
 """Least and greatest penalty; factors are scaled to be of order 1."""
 DAMPING = 1e-9
@@ -69,6 +72,9 @@ class Problem(Protocol):
 
     def smooth(self, points: Array, rows: Rows) -> Array:
         """w at each point (k, n) -> (k, t); NaN rows where a point cannot be evaluated."""
+
+    def drift(self, x: Array, rows: Rows, step: Step) -> Array:
+        """Curvature (n, n) that is not in w, since the rows themselves move with x; multipliers of a step."""
 
 
 class Ending(Enum):
@@ -181,11 +187,12 @@ class _Model:
         return np.clip(self.x + step.delta, self.problem.lower, self.problem.upper)
 
     def bend(self, step: Step, x: Array) -> Array:
-        """The positive part of the Lagrangian's Hessian at x, with the multipliers of a step."""
+        """A convex stand-in for the Lagrangian's Hessian at x, with the multipliers of a step."""
         problem = self.problem
-        return positive_part(
-            hessian(self.smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
-        )
+        seen = hessian(self.smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
+        held = bound_gradients(step, x, problem.lower, problem.upper)
+        gradients = np.vstack([binding_gradients(self.rows, self.slopes, step), held])
+        return convex_part(seen + problem.drift(x, self.rows, step), gradients)
 
 
 def minimise(
@@ -303,7 +310,7 @@ def _judge(model: _Model, state: _State, trial: Assessment, step: Step, predicte
     state.record(accepted=ratio > ACCEPTABLE)
     if ratio > 0.75 and length > 0.9 * state.radius:
         state.radius = min(2.5 * state.radius, RADIUS[1])
-    elif ratio < 0.25 and _shrink(state, min(length, state.radius)):
+    elif ratio < 0.25 and _shrink(state, min(length, state.radius), ratio):
         return _settle(model.problem, state)
     if not state.weight and state.here.violation <= FEASIBLE:
         return _settle(model.problem, state)
@@ -311,8 +318,9 @@ def _judge(model: _Model, state: _State, trial: Assessment, step: Step, predicte
     return None
 
 
-def _shrink(state: _State, length: float) -> Ending | None:
-    state.radius = 0.4 * length
+def _shrink(state: _State, length: float, ratio: float = 0.0) -> Ending | None:
+    """To where a parabola through the merit and its slope here has its least."""
+    state.radius = min(max(0.5 / (1 - ratio), SHRINK[0]), SHRINK[1]) * length
     return Ending.STALLED if state.radius < RADIUS[2] else None
 
 

@@ -26,13 +26,19 @@ NODES = 9
 NEAR = 0.1
 """A local maximiser this near the greatest value, as a part of the function's range or of 1, is critical."""
 MOST = 27
-"""Most critical points kept of one function."""
+"""Most critical points found of one function."""
+KEPT = 24
+"""Most critical points kept of one cuboid, beside the worst of each function."""
+SHADOW = 0.2
+"""A critical point this near a worse one (as a part of the cuboid) tells little of its own."""
 COMPASS = 3
 """Rounds of compass search, each halving its step."""
 CLIMB = 30
 """Rounds of the last climb, to a step of 2e-11."""
 NEWTON = (2e-3, 2e-4)
 """Steps of the differences of the Newton rounds."""
+ROUNDING = 1e-14
+"""A rise up to this is none: on a ridge or plateau, points would wander off and become ever more."""
 
 
 class Peaks(NamedTuple):
@@ -131,7 +137,7 @@ def _compass(functions: Functions, peaks: Peaks, step: float, rounds: int) -> Pe
         found = _own(functions, tries.reshape(-1, d), np.repeat(of, len(star))).reshape(len(u), len(star))
         best = found.argmax(axis=1)
         here = np.arange(len(u))
-        better = found[here, best] > value
+        better = found[here, best] > value + ROUNDING
         u = np.where(better[:, None], tries[here, best], u)
         value = np.where(better, found[here, best], value)
         step /= 2
@@ -168,7 +174,7 @@ def _newton(
     move[usable] = _ascent(slope[usable], bend[usable], held[usable], move[usable], reach)
     trial = np.clip(centre + move, -0.5, 0.5)
     rising = np.where(usable, _own(functions, trial, of), -np.inf)
-    better = rising > value
+    better = rising > value + ROUNDING
     return np.where(better[:, None], trial, u), np.where(better, rising, value)
 
 
@@ -182,3 +188,23 @@ def _ascent(slope: Array, bend: Array, held: NDArray[np.bool_], fixed: Array, re
         down = -np.maximum(np.abs(eigenvalues), 1e-9)
         moves[k][free] = np.clip(-(vectors / down) @ (vectors.T @ gradient), -reach, reach)
     return moves
+
+
+def worst_points(values: Array, u: Array) -> NDArray[np.intp]:
+    """Which points u (n, d) to keep, by the values (k, n) of what is bounded there: the worst few.
+
+    The worst of each row, then the worst of all; those in the shadow of a worse one nearby come last, or a
+    flat peak's many points would crowd out a corner that no other stands for. Points at which a row is not
+    known (inf) are dropped; −inf is a bound that holds by any factor.
+    """
+    known = np.flatnonzero((values < np.inf).all(axis=0))
+    values, u = values[:, known], u[known]
+    worst = values.argmax(axis=1)
+    near = np.abs(u[:, None] - u).max(axis=2) < SHADOW
+    order = np.arange(len(u))
+    behind = values[:, :, None] < values[:, None, :]
+    behind |= (values[:, :, None] == values[:, None, :]) & (order[:, None] > order)
+    shadowed = (behind & near).any(axis=2)
+    own = np.where(shadowed, -np.inf, values).max(axis=0)
+    by_rank = np.lexsort((order, -values.max(axis=0), -own))
+    return np.asarray(known[np.union1d(worst, by_rank[:KEPT])])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Protocol
 
@@ -19,8 +20,9 @@ from orthospec.composite.template import Template
 from orthospec.composite.trust_region import Assessment
 from orthospec.errors import UnbuildableDesign
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
-from orthospec.workspace.critical import NODES, find_peaks
+from orthospec.workspace.critical import NODES, find_peaks, worst_points
 from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.drift import INSIDE, Box, moving_curvature
 from orthospec.workspace.forms import Forms, form_of
 from orthospec.workspace.layout import Layout, Limits, Point
 from orthospec.workspace.machine import Machine
@@ -30,10 +32,10 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Poses
 
-SLOTS = 24
-"""Most critical points kept of one cuboid, beside the worst of each condition."""
 RELEVANT = 0.5
 """A condition enters the subproblem at its worst point, and where its excess is above minus this."""
+NEGLIGIBLE = 1e-6
+"""A multiplier below this part of the greatest moves nothing."""
 SAME = 1e-3
 """Critical points nearer than this (as a part of the cuboid) are one, the newest."""
 
@@ -231,7 +233,7 @@ class FitProblem:
         values = self._functions(machine, point, g)(self.slots[g])
         for k, e in enumerate(self._extremes_of(g), start=len(self._conditions[g])):
             values[k] = self._gap(e, values[k], point)
-        keep = _worst_slots(values)
+        keep = worst_points(values, self.slots[g])
         self.slots[g], values = self.slots[g][keep], values[:, keep]
         for term, row in zip(terms, values, strict=True):
             if row.max() == -np.inf:  # A bound that holds by any factor at every slot needs no row.
@@ -314,6 +316,49 @@ class FitProblem:
             parts.append(np.concatenate([inside, spread], axis=2))
         return parts
 
+    def drift(self, x: Array, rows: Rows, step: Step) -> Array:
+        """Curvature from critical points that move with x: see `orthospec.workspace.drift`."""
+        selection: _Selection = rows.selection
+        total = np.zeros((len(x), len(x)))
+        box = Box(self.lower, self.upper, self.scale)
+        for g, slots in enumerate(selection.slots):
+            weights = self._pressures(rows, step, g)
+            moving = (weights != 0).any(axis=0) & (np.abs(slots) < 0.5 - INSIDE).any(axis=1)
+            if moving.any():
+                values = partial(self._excesses, g)
+                total += moving_curvature(values, weights[:, moving], slots[moving], x, box)
+        return total
+
+    def _pressures(self, rows: Rows, step: Step, g: int) -> Array:
+        """The multiplier (k, s) of each condition and extreme of group g at each slot, in its excess."""
+        selection: _Selection = rows.selection
+        terms = [*self._conditions[g], *self._asked(g)]
+        weights = np.zeros((len(terms), len(selection.slots[g])))
+        for chosen, share in _shares(rows, step):
+            if chosen.group == g:
+                weights[terms.index(chosen.term), chosen.at] += chosen.sign * share
+        weights[np.abs(weights) < NEGLIGIBLE * np.abs(weights).max(initial=0.0)] = 0.0
+        return weights
+
+    def _excesses(self, g: int, x: Array, u: Array) -> Array:
+        """Rows of group g at points u of x as they enter the subproblem, each but for a constant."""
+        point = self.layout.unpack(x)
+        try:
+            machine = self.machine(point.design)
+        except UnbuildableDesign:
+            return np.full((len(self._conditions[g]) + len(self._asked(g)), len(u)), np.nan)
+        values = self._functions(machine, point, g)(u)
+        for k, e in enumerate(self._extremes_of(g), start=len(self._conditions[g])):
+            extreme = self._objective.extremes[e]
+            ratio = self._template(machine, extreme, point, g) is not None
+            with np.errstate(invalid="ignore", divide="ignore"):
+                values[k] = (
+                    extreme.sign * np.log(extreme.sign * values[k])
+                    if ratio
+                    else values[k] / self.layout.unit[e]
+                )
+        return values
+
     # What an answer says of the conditions.
 
     def critical(self, x: Array, within: float) -> dict[Condition, list[tuple[float, ...]]]:
@@ -332,23 +377,19 @@ class FitProblem:
 
     def shares(self, rows: Rows, step: Step) -> dict[Condition, float]:
         """The part of the pressure on the slack that each condition has."""
-        selection: _Selection = rows.selection
-        ends = np.cumsum([len(part.at) for part in selection.numbers], dtype=int)
-        parts = [float(part.sum()) for part in np.split(step.shares[: rows.half_lines.stop], ends)]
-        sums = [*parts[: len(selection.numbers)], *step.shares[rows.half_lines.stop :]]
         found: dict[Condition, float] = {}
-        for chosen, share in zip([*selection.numbers, *selection.forms], sums, strict=True):
+        for chosen, share in _shares(rows, step):
             if isinstance(chosen.term, Condition):
-                found[chosen.term] = found.get(chosen.term, 0.0) + float(share)
+                found[chosen.term] = found.get(chosen.term, 0.0) + float(share.sum())
         return found
 
 
-def _worst_slots(values: Array) -> NDArray[np.intp]:
-    """Numbers of the slots to keep, of values (terms, slots): the worst of each term, the worst of all.
-
-    Slots at which a term is not known (inf) are dropped; −inf is a bound that holds by any factor.
-    """
-    known = np.flatnonzero((values < np.inf).all(axis=0))
-    worst = known[values[:, known].argmax(axis=1)]
-    by_rank = known[np.argsort(-values[:, known].max(axis=0), kind="stable")]
-    return np.union1d(worst, by_rank[:SLOTS])
+def _shares(rows: Rows, step: Step) -> Iterator[tuple[_Chosen, Array]]:
+    """What each term has of the pressure on the slack at each of its slots."""
+    at, forms = 0, rows.half_lines.stop
+    for chosen in rows.selection.numbers:
+        yield chosen, step.shares[at : at + len(chosen.at)]
+        at += len(chosen.at)
+    for chosen in rows.selection.forms:
+        yield chosen, step.shares[forms : forms + len(chosen.at)]
+        forms += len(chosen.at)

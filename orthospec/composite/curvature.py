@@ -1,0 +1,62 @@
+"""The curvature of a subproblem: a convex stand-in for the Lagrangian's Hessian.
+
+A subproblem must be convex, the Hessian need not be. Only along the rows that bind must its curvature be
+true for fast convergence; across them it may be what it likes, since there the rows decide the step. So the
+positive part is taken of each of the two blocks, and the rest left out (a reduced Hessian: Nocedal and
+Wright, *Numerical Optimization*, 2006, section 18.7). The positive part of the whole would be too stiff along
+the rows, and a loop with twice the true curvature halves its error with each step and no more.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.composite.differences import positive_part
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+    from orthospec.composite.subproblem import Rows, Step
+
+BINDS = 1e-6
+"""A row binds whose multiplier is more than this part of the greatest."""
+ON_BOUND = 1e-9
+"""A variable this near a bound is on it."""
+RANK = 1e-9
+"""Gradients that depend on each other but for this part are one."""
+
+
+def binding_gradients(rows: Rows, slopes: Array, step: Step) -> Array:
+    """Gradients (r, n + 1) in (x, factor) of the rows and of the copies of blocks that bind; unit length."""
+    lines = rows.half_lines
+    parts = [np.column_stack([slopes[lines.start : lines.stop], -lines.on_factor])]
+    sizes = [step.multipliers[lines.start : lines.stop]]
+    for block in rows.blocks:
+        cut = slice(block.start, block.stop)
+        weighed = step.multipliers[cut, None] * slopes[cut]
+        sums = weighed.reshape(block.copies, block.width, -1).sum(axis=1)
+        parts.append(np.column_stack([sums, np.zeros(block.copies)]))
+        sizes.append(step.shares[len(lines.on_factor) + sum(map(len, sizes[1:])) :][: block.copies])
+    size = np.abs(np.concatenate(sizes))
+    gradients = np.concatenate(parts)[size > BINDS * size.max(initial=0.0)]
+    lengths = np.linalg.norm(gradients, axis=1)
+    return np.asarray(gradients[lengths > 0] / lengths[lengths > 0, None])
+
+
+def bound_gradients(step: Step, x: Array, lower: Array, upper: Array) -> Array:
+    """The same (r, n + 1) of the variables that a bound of theirs holds."""
+    pressed = step.on_bounds > BINDS * max(1.0, float(np.abs(step.on_bounds).max(initial=0.0)))
+    held = (pressed[:, 0] & (x - lower < ON_BOUND)) | (pressed[:, 1] & (upper - x < ON_BOUND))
+    return np.eye(len(x), len(x) + 1)[held]
+
+
+def convex_part(hessian: Array, gradients: Array) -> Array:
+    """A positive semidefinite (n, n), the Hessian's positive part along the gradients' null space."""
+    n = len(hessian)
+    _, sizes, directions = np.linalg.svd(np.vstack([gradients, np.zeros((n + 1, n + 1))]))
+    free = directions[sizes <= RANK, :n]
+    along, sizes, _ = np.linalg.svd(free.T, full_matrices=True)
+    count = int((sizes > RANK).sum())
+    z, y = along[:, :count], along[:, count:]
+    return np.asarray(sum(p @ positive_part(p.T @ hessian @ p) @ p.T for p in (z, y)))
