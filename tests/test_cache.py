@@ -17,7 +17,7 @@ import pytest
 
 from orthospec.errors import UsageError
 from orthospec.optimise import evaluate_spec, remembering, solve, versions
-from orthospec.optimise.cache import Cache, Remembering, user_cache
+from orthospec.optimise.cache import Cache, Remembering, sha256_of, user_cache
 from orthospec.optimise.kept_fields import KeptFields
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task, problem_of
@@ -174,13 +174,19 @@ def test_a_damaged_file_counts_as_none(tmp_path: Path) -> None:
 
 def test_only_what_has_not_been_used_for_longest_is_removed(tmp_path: Path) -> None:
     cache = Cache(tmp_path)
-    for age, key in enumerate(("aa", "bb", "cc")):
-        cache.write(key, "x" * 1000)
-        (path,) = (tmp_path / key).iterdir()
-        os.utime(path, (1e9 - age, 1e9 - age))
-    cache.read("cc")
+    keys = [sha256_of(name) for name in "abc"]
+    (tmp_path / keys[0][:2]).mkdir()
+    others = [tmp_path / "thesis.doc", tmp_path / keys[0][:2] / "thesis.json"]
+    for age, path in enumerate([*others, *map(cache.path, reversed(keys))]):
+        if path in others:
+            path.write_text("x" * 5000)
+        else:
+            cache.write(path.stem, "x" * 1000)
+        os.utime(path, (age, age))
+    cache.read(keys[2])
     cache.trim(2500)
-    assert [cache.read(key) is not None for key in ("aa", "bb", "cc")] == [True, False, True]
+    assert [cache.read(key) is not None for key in keys] == [True, False, True]
+    assert all(path.exists() for path in others)
 
 
 def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path) -> None:

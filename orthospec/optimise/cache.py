@@ -11,6 +11,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
+import secrets
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -27,6 +29,8 @@ from orthospec.workspace.field import Progress
 
 MOST_BYTES = 1 << 30
 """Of all files; those unused for longest go first."""
+OURS = re.compile(r"[0-9a-f]{64}\.(json|npz)|\.orthospec-[0-9a-f]{16}")
+"""Names of files that may be removed: the folder may be anyone's, by mistake."""
 
 
 class Cache:
@@ -50,10 +54,12 @@ class Cache:
             digest, _, text = path.read_text(encoding="utf-8").partition("\n")
             if digest != sha256_of(text):
                 return None
-            os.utime(path)
-            return json.loads(text)
+            content = json.loads(text)
         except (OSError, ValueError):
             return None
+        with suppress(OSError):
+            os.utime(path)
+        return content
 
     def write(self, key: str, content: Any) -> None:
         """Keep content; a full disk only means that it is not kept."""
@@ -65,26 +71,26 @@ class Cache:
     def replacing(self, path: Path) -> Iterator[Path]:
         """A path to write to, which then takes the place of ``path`` in one step."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=".", dir=path.parent)
-        os.close(handle)
+        fresh = path.parent / f".orthospec-{secrets.token_hex(8)}"
         try:
-            yield Path(name)
-            os.replace(name, path)
+            yield fresh
+            os.replace(fresh, path)
         finally:
-            Path(name).unlink(missing_ok=True)
+            fresh.unlink(missing_ok=True)
 
     def trim(self, most: int = MOST_BYTES) -> None:
-        """Remove what was unused for longest, until no more than so many bytes are left."""
+        """Remove what was unused for longest, until no more than so many bytes are left; no other's files."""
         found = []
-        for path in self.folder.rglob("*"):
+        for path in self.folder.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(OSError):
-                if path.is_file():
+                if OURS.fullmatch(path.name):
                     found.append((path.stat().st_mtime, path.stat().st_size, path))
         total = sum(size for _, size, _ in found)
         for _, size, path in sorted(found):
             if total <= most:
                 return
-            path.unlink(missing_ok=True)
+            with suppress(OSError):
+                path.unlink()
             total -= size
 
     def path(self, key: str, kind: str = "json") -> Path:
