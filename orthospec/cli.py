@@ -187,6 +187,14 @@ def evaluate(
         Path | None, typer.Option("-o", "--out", metavar="DIR", help="Write a result folder too.")
     ] = None,
     fields: Fields = False,
+    what_if: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--what-if",
+            metavar="MEASURE.SIDE=VALUE",
+            help="Only tell what another bound does to the cuboids on the grid; repeatable.",
+        ),
+    ] = None,
     jobs: Jobs = 1,
     on: On = None,
     resume: Resume = False,
@@ -201,6 +209,10 @@ def evaluate(
 
     problem = load_spec(Path(spec), settings or [])
     values = problem.default_values() | _values(problem, at or "")
+    if what_if:
+        if out is not None or fields:
+            raise UsageError("--what-if prints its answer and writes no result: leave -o and --fields out")
+        return _tell_what_if(problem, values, what_if, as_json)
     if out is not None:
         check_destination(out)
     elif fields:
@@ -286,6 +298,20 @@ def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, fields: bool, 
     if folder is not None:
         _tell_folder(folder, as_json)
     return _code_of(outcome)
+
+
+def _tell_what_if(spec: Spec, values: dict[str, float], moves: list[str], as_json: bool) -> int:
+    from orthospec.optimise.what_if import know, read_moves
+    from orthospec.show import show_what_if, what_if_content
+
+    asked = read_moves(spec, values, moves)
+    known = know(spec, values)
+    answer = known.answer(asked)
+    if as_json:
+        _print_json(what_if_content(answer))
+    else:
+        _print(show_what_if(known, answer, **_format(sys.stdout)))
+    return DONE
 
 
 def _tell_folder(folder: Path, as_json: bool) -> None:

@@ -3,5 +3,14 @@
 from orthospec.show.plugins import explain, installed, show_installed
 from orthospec.show.progress import ProgressLine
 from orthospec.show.result import show
+from orthospec.show.what_if import show_what_if, what_if_content
 
-__all__ = ["ProgressLine", "explain", "installed", "show", "show_installed"]
+__all__ = [
+    "ProgressLine",
+    "explain",
+    "installed",
+    "show",
+    "show_installed",
+    "show_what_if",
+    "what_if_content",
+]

@@ -1,0 +1,147 @@
+"""What moved bounds would do to the cuboids of one design, on the grid: the measures are computed once.
+
+With the values at the nodes in hand a bound is a comparison, and the largest cube of indices a recursion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.errors import UsageError
+from orthospec.measures import Demand
+from orthospec.measures.demand import bounded_side
+from orthospec.optimise.space import setting_of
+from orthospec.quantities.fields import resolve
+from orthospec.spec import Design, Spec
+from orthospec.workspace.cuboid import edge_lengths, largest
+from orthospec.workspace.field import fields
+from orthospec.workspace.grid import Grid, make_grid
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A bound, as the spec has it (None: it has none) and as it is asked for."""
+
+    measure: str
+    side: str
+    before: float | None
+    after: float
+
+
+@dataclass(frozen=True)
+class Change:
+    """A scale of the largest cuboid, on the grid alone."""
+
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What all moves together come to."""
+
+    moved: tuple[Moved, ...]
+    joint: Change | None
+    """Of all measures; None where each has a cuboid of its own."""
+    measures: Mapping[str, Change]
+    """Of each measure that is moved, alone."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A design's measures on the grid, for any number of questions; scales that were told are remembered."""
+
+    spec: Spec
+    design: Design
+    grid: Grid
+    values: Mapping[str, Array]
+    """Flat, (nodes,) or (nodes, 2), NaN out of reach; a measure that is in reach nowhere has none."""
+    scales: dict[tuple[object, ...], float] = field(default_factory=dict)
+
+    def answer(self, moves: Sequence[Moved]) -> Answer:
+        """The cuboids before and after."""
+        before = {demand.name: demand for demand in self.design.demands}
+        after = dict(before)
+        for move in moves:
+            here = after[move.measure]
+            after[move.measure] = replace(here, bounds={**here.bounds, move.side: move.after})
+        names = dict.fromkeys(move.measure for move in moves)
+        alone = {name: self._change([before[name]], [after[name]]) for name in names}
+        together = self.spec.workspace.together
+        joint = self._change(list(before.values()), list(after.values())) if together else None
+        return Answer(tuple(moves), joint, alone)
+
+    def _change(self, before: Sequence[Demand], after: Sequence[Demand]) -> Change:
+        return Change(self._scale(before), self._scale(after))
+
+    def _scale(self, demands: Sequence[Demand]) -> float:
+        """The grid's metric where all demands are met."""
+        key = tuple((demand.name, *sorted(demand.bounds.items())) for demand in demands)
+        if key not in self.scales:
+            self.scales[key] = self._measured(demands)
+        return self.scales[key]
+
+    def _measured(self, demands: Sequence[Demand]) -> float:
+        met = np.ones(self.grid.nodes, dtype=bool)
+        for demand in demands:
+            values = self.values.get(demand.name)
+            if values is None:
+                return 0.0
+            # A bound is not met where there is no value; without one the value itself must be looked at.
+            met &= demand.meets(values) if demand.bounds else ~np.isnan(bounded_side(values, "at_most"))
+        best = largest(edge_lengths(met.reshape(self.grid.shape)))
+        return 0.0 if best is None else best.steps / self.spec.workspace.divisions
+
+
+def know(spec: Spec, values: Mapping[str, float]) -> Known:
+    """Compute the measures of a design on the spec's grid."""
+    design, setting = spec.design(values), setting_of(spec)
+    grid = make_grid(design.manipulator, setting.size, setting.divisions, setting.region)
+    found = fields(design.manipulator, design.demands, grid)
+    axes = len(grid.shape)
+    flat = {
+        demand.name: np.asfortranarray(
+            found[demand.name].reshape(grid.nodes, *found[demand.name].shape[axes:])
+        )
+        for demand in design.demands
+        if demand.name in found
+    }
+    return Known(spec, design, grid, flat)
+
+
+def read_moves(spec: Spec, values: Mapping[str, float], texts: Sequence[str]) -> tuple[Moved, ...]:
+    """The moves in ``transmission.at_most=2.2``; UsageError for what is none."""
+    demands = {demand.name: demand for demand in spec.design(values).demands}
+    return tuple(_read(demands, values, text) for text in texts)
+
+
+def _read(demands: Mapping[str, Demand], values: Mapping[str, float], text: str) -> Moved:
+    key, _, value = text.partition("=")
+    name, _, side = key.strip().rpartition(".")
+    if name not in demands or not value.strip():
+        known = ", ".join(demands) or "none"
+        raise UsageError(f"--what-if {text}: MEASURE.SIDE=VALUE was expected; the measures are {known}")
+    demand = demands[name]
+    if side not in demand.measure.sides:
+        known = " and ".join(sorted(demand.measure.sides))
+        raise UsageError(f"--what-if {text}: {name} has no '{side}'; it knows {known}")
+    try:
+        after = resolve(_number(value.strip()), demand.measure.unit, values)
+    except ValueError as error:
+        raise UsageError(f"--what-if {text}: {error}") from None
+    return Moved(name, side, demand.bounds.get(side), after)
+
+
+def _number(text: str) -> float | str:
+    """A bare number is SI, as in a spec."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
