@@ -101,7 +101,7 @@ def test_each_command_has_help_and_stands_in_the_readme_with_its_options() -> No
     assert in_readme.keys() == commands.keys()
     for name, command in commands.items():
         assert command.help, name
-        told = set(re.findall(r"(?<!-)--?[a-z]+", in_readme[name]))
+        told = set(re.findall(r"(?<![-\w])--?[a-z][a-z-]*", in_readme[name]))
         options = [parameter.opts for parameter in command.params if parameter.opts[0].startswith("-")]
         assert len(told) == len(options), name
         assert all(told & set(names) for names in options), name
