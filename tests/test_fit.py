@@ -18,10 +18,11 @@ from orthospec.measures.kinematic import VelocityTransmission
 from orthospec.mechanics.prismatic import CLEARANCE
 from orthospec.optimise.objective import GoalObjective
 from orthospec.optimise.space import DesignSpace
-from orthospec.workspace.conditions import Condition
+from orthospec.workspace import objective
+from orthospec.workspace.conditions import Condition, Extreme
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.fit import FitProblem, Group, Machine
-from orthospec.workspace.layout import Limits
+from orthospec.workspace.layout import Limits, Point
 from orthospec.workspace.polish import LargestScale
 
 SPEC = """\
@@ -180,11 +181,11 @@ def space(spec_of):
 
 def problem_of(space, z):
     """The problem at a design with its cuboid around the origin at half size, and a few points off it."""
-    objective = GoalObjective(space, z)
+    goals = GoalObjective(space, z)
     limits = Limits((np.zeros(2), np.ones(2)), Cuboid((-2.0,) * 3, (2.0,) * 3), (1e-3, 1e3))
     group = Group(("transmission", "condition", "volume"), (0.05, -0.1, 0.02))
-    problem = FitProblem(space.machine, np.array([1.0, 1.0, 0.8]), [group], objective, limits, (z, 0.5))
-    objective.settle(space.machine(z), problem.layout.unpack(problem.start))
+    problem = FitProblem(space.machine, np.array([1.0, 1.0, 0.8]), [group], goals, limits, (z, 0.5))
+    goals.settle(space.machine(z), problem.layout.unpack(problem.start))
     return problem
 
 
@@ -199,8 +200,9 @@ def slopes_of(exact_rows, x):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_is_differentiated_equals_fifty_digits(space, exact, seed):
+def test_what_is_differentiated_equals_fifty_digits(space, exact, seed, monkeypatch):
     """Insides of every form, margins, bounds, goals, placement; by design, centre, scale and extremes."""
+    monkeypatch.setattr(objective, "NEAR", np.inf)
     random = np.random.default_rng(seed)
     ends = [(0.0, 1.0), (1.0, 0.0)]
     z = np.array(ends[seed]) if seed < 2 else random.uniform(0.1, 0.9, 2)
@@ -302,6 +304,24 @@ def test_relaxing_a_bound_is_the_same_as_moving_it():
     relaxed = polish_problem(VelocityTransmission(), {"at_most": 2.0}, relaxed={condition: step})
     first, second = (minimise(problem, problem.start) for problem in (moved, relaxed))
     assert second.factor == pytest.approx(first.factor, abs=1e-9)
+
+
+class Matched:
+    """Two soft rows |extreme − 2| <= factor, and a hard one that wants it no higher than 9."""
+
+    extremes = (Extreme("highest", "m"),)
+    reversed = frozenset(extremes)
+    on_factor, on_slack = np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+
+    def rows(self, machine, point):  # noqa: ARG002
+        value = point.extremes[0]
+        return np.array([value - 2, 2 - value, value - 9])
+
+
+@pytest.mark.parametrize(("value", "wanted"), [(1.0, True), (1.9, True), (2.1, True), (3.0, False)])
+def test_an_extreme_is_held_from_its_far_side_only_where_a_row_that_acts_wants_it_worse(value, wanted):
+    point = Point(np.zeros(0), np.zeros((1, 3)), 1.0, np.array([value]))
+    assert objective.wanted_worse(Matched(), None, point) == (Matched.reversed if wanted else frozenset())
 
 
 def test_a_region_without_room_in_an_axis_fixes_the_cuboid_there():

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from orthospec.workspace.drift import INSIDE, Box, moving_curvature
 from orthospec.workspace.forms import Forms, form_of
 from orthospec.workspace.layout import Layout, Limits, Point
 from orthospec.workspace.machine import Machine
+from orthospec.workspace.objective import Objective, wanted_worse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,29 +39,6 @@ NEGLIGIBLE = 1e-6
 """A multiplier below this part of the greatest moves nothing."""
 SAME = 1e-3
 """Critical points nearer than this (as a part of the cuboid) are one, the newest."""
-
-
-class Objective(Protocol):
-    """Rows g <= on_factor·factor + on_slack·slack, g smooth in the design, μ and the extremes."""
-
-    @property
-    def extremes(self) -> tuple[Extreme, ...]:
-        """The extremes that the rows depend on."""
-
-    @property
-    def reversed(self) -> frozenset[Extreme]:
-        """Those of them that some row wants worse: they must not exceed what the cuboid really has."""
-
-    @property
-    def on_factor(self) -> Array:
-        """(r,), 0 for a hard row."""
-
-    @property
-    def on_slack(self) -> Array:
-        """(r,), 0 for a soft row."""
-
-    def rows(self, machine: Machine, point: Point) -> Array:
-        """g (r,)."""
 
 
 @dataclass(frozen=True)
@@ -235,12 +213,13 @@ class FitProblem:
             values[k] = self._gap(e, values[k], point)
         keep = worst_points(values, self.slots[g])
         self.slots[g], values = self.slots[g][keep], values[:, keep]
+        worse = wanted_worse(self._objective, machine, point)
         for term, row in zip(terms, values, strict=True):
             if row.max() == -np.inf:  # A bound that holds by any factor at every slot needs no row.
                 continue
             at = np.union1d(np.flatnonzero(row > -RELEVANT), row.argmax())
             yield _Chosen(g, term, at, self._template(machine, term, point, g))
-            if isinstance(term, Extreme) and term in self._objective.reversed:
+            if isinstance(term, Extreme) and term in worse:
                 yield _Chosen(g, term, np.array([row.argmax()]), sign=-1.0)
 
     def _gap(self, e: int, signed: Array, point: Point) -> Array:
