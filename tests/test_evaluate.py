@@ -178,6 +178,14 @@ def test_without_measures_the_reach_alone_is_measured():
     assert found.holds
 
 
+def test_levels_alone_leave_the_joint_cuboid_to_the_reach():
+    levels = (Level({"at_most": 1.2}), Level({"at_most": 1.5}))
+    found = evaluate(machine_of(Demand("t", VelocityTransmission(), {}, levels), leg=1.0), setting(size=0.9))
+    assert found.joint.scale * 0.9 == pytest.approx(1 / np.sqrt(3) + 1 / np.sqrt(6), abs=1e-6)
+    nested = [largest.scale for _, largest in found.measures["t"].levels]
+    assert nested[0] < nested[1] < found.joint.scale
+
+
 def test_no_place_where_the_bounds_hold_is_an_answer():
     hopeless = Demand("t", VelocityTransmission(), {"at_least": 5.0})
     found = evaluate(machine_of(hopeless), setting())

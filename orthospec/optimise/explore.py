@@ -16,7 +16,7 @@ from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Workers, in_order
 from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
 from orthospec.workspace.evaluate import Setting
-from orthospec.workspace.field import Progress, State, node_states, together
+from orthospec.workspace.field import Progress, State, node_states, reach_alone, together
 from orthospec.workspace.fit import Group
 from orthospec.workspace.grid import Grid, make_grid, reach_box
 from orthospec.workspace.machine import Machine
@@ -114,7 +114,7 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[tuple[Group, ...], flo
     free = [name for name, demand in machine.demands.items() if not demand.bounds]
     grid = _coarse_grid(machine, setting)
     states, _ = node_states(machine.manipulator, bounded, grid)
-    reach = np.where(states[0] == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
+    reach = reach_alone(states[0])
     if setting.together or not bounded:
         parts = [(tuple(machine.demands), together(states))]
     else:

@@ -14,7 +14,16 @@ from orthospec.measures import Demand, Level
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
 from orthospec.workspace.critical import find_peaks, highest_peaks
 from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
-from orthospec.workspace.field import Failure, KeptValues, Progress, State, measured, node_states, together
+from orthospec.workspace.field import (
+    Failure,
+    KeptValues,
+    Progress,
+    State,
+    measured,
+    node_states,
+    reach_alone,
+    together,
+)
 from orthospec.workspace.grid import Grid, make_grid
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.polish import polish
@@ -134,7 +143,7 @@ def evaluate(
     ]
     joint = None
     if setting.together or not bounded:
-        everything = together(states[: max(len(bounded), 1)])
+        everything = together(states[: len(bounded)]) if bounded else reach_alone(states[0])
         joint = next(iter(own.values())) if len(bounded) == 1 else look.largest(bounded, everything)
     places = _places(setting, joint, own, prescribed)
     standing = {name: _stand(machine, place, bounded, name) for name, place in places.items()}

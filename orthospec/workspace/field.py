@@ -181,6 +181,11 @@ def fields(manipulator: Manipulator, demands: Sequence[Demand], grid: Grid) -> d
     return found
 
 
+def reach_alone(states: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The state under no demand at all: what is in reach meets it (eq. 3)."""
+    return np.where(states == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
+
+
 def together(states: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
     """The state under all demands: unreachable, failed where one failed, violates where one violates."""
     return np.asarray(np.maximum.reduce(list(states)))
