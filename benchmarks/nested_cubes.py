@@ -26,7 +26,6 @@ from orthospec.manipulators.prismatic import PrismaticManipulator
 from orthospec.measures import Demand
 from orthospec.mechanics import virtual_joints as vj
 from orthospec.mechanics.parallelogram import parallelogram_stiffness
-from orthospec.mechanics.prismatic_elastic import foot_frame
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.polish import Polished, polish
@@ -67,10 +66,10 @@ def straightforward(machine: PrismaticManipulator, poses: np.ndarray) -> np.ndar
         frames = np.stack([x, np.cross(z, x), z], axis=1)
         inner, outer = np.tile(geometry.joints[i], (n, 1)), geometry.joints[i] + s[:, i]
         pair = parallelogram_stiffness(springs.bars[i], spacing=springs.spacing, cos=cosine, sin=x @ a)
-        foot = np.broadcast_to(foot_frame(geometry, i), (n, 3, 3))
+        space = np.broadcast_to(np.eye(3), (n, 3, 3))
         drive = np.tile(np.concatenate([geometry.axes[i], np.zeros(3)]), (n, 1))
         compliance = vj.spring_at(np.linalg.pinv(pair, hermitian=True), frames, inner)
-        compliance += vj.spring_at(springs.feet[i], foot, outer) + vj.actuator(drive, springs.actuator)
+        compliance += vj.spring_at(springs.feet[i], space, outer) + vj.actuator(drive, springs.actuator)
         hinge, slide = (
             np.concatenate([np.zeros(3), a]),
             np.concatenate([frames[:, 1], np.zeros((n, 3))], axis=1),

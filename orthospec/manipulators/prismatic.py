@@ -18,6 +18,7 @@ from orthospec.manipulators.base import ActuatorLimits, Manipulator, Skeleton, r
 from orthospec.manipulators.parts import Actuators, Body, FeetOrRigid, Legs
 from orthospec.manipulators.stock import PositiveLength
 from orthospec.mechanics import prismatic, prismatic_elastic, prismatic_inertia
+from orthospec.mechanics.inertia import inverse
 from orthospec.quantities import Acceleration, Length
 
 if TYPE_CHECKING:
@@ -110,15 +111,13 @@ class PrismaticManipulator(Manipulator):
     def inverse_kinematics(self, poses: Poses) -> tuple[Joints, Flags]:
         """Slider coordinates ρ (n, 3) [m], NaN where a leg is too short, and reachability (n,)."""
         reachable = np.ones(len(poses), dtype=bool)
-        for margin in self._margins(poses).values():
+        for margin in self.reach(poses).values():
             reachable &= margin >= -ROUNDING
         return self.closed_legs(poses).rho, reachable
 
+    @remembering
     def reach(self, poses: Poses) -> Mapping[str, Array]:
         """Margins: each leg closes its loop, no parallel singularity is passed, the joint limits hold."""
-        return self._margins(poses)
-
-    def _margins(self, poses: Poses) -> dict[str, Array]:
         machine, legs = self.geometry, self.closed_legs(poses)
         margins = {f"leg_{i + 1}": row for i, row in enumerate(prismatic.leg_margins(machine, legs))}
         units = prismatic.unit_legs(machine, legs)
@@ -134,6 +133,10 @@ class PrismaticManipulator(Manipulator):
         """J⁻¹ (n, 3, 3), dimensionless: row i is s_iᵀ / (s_i·e_i)."""
         return prismatic.inverse_jacobian(self.closed_legs(poses))
 
+    @remembering
+    def _jacobian(self, poses: Poses) -> Matrices:
+        return inverse(self.inverse_jacobian(poses))
+
     # Elasticity.
 
     def compliance(self, poses: Poses) -> Array:
@@ -146,10 +149,14 @@ class PrismaticManipulator(Manipulator):
         assert self.legs is not None
         assert self.actuators.stiffness is not None
         bars = [self.legs.bar_compliance(length) for length in self.leg_lengths]
-        foot = np.zeros((6, 6)) if self.feet is None else self.feet.bar_compliance()
+        feet = np.zeros((3, 6, 6))
+        if self.feet is not None:
+            foot = self.feet.bar_compliance()
+            assert foot is not None
+            feet = prismatic_elastic.feet_in_space(self.geometry, foot)
         return prismatic_elastic.Springs(
             actuator=1.0 / self.actuators.stiffness,
-            feet=np.array([foot] * 3),
+            feet=feet,
             bars=np.array(bars),
             spacing=self.legs.spacing if self.legs.kind == "PRPaR" else None,
         )
@@ -158,20 +165,20 @@ class PrismaticManipulator(Manipulator):
 
     def joint_inertia(self, poses: Poses) -> Matrices:
         """D (n, 3, 3) [kg]: sliders and feet, legs as uniform bars, platform, tool and payload."""
-        return prismatic_inertia.joint_inertia(self.geometry, self._masses, self.inverse_jacobian(poses))
+        return prismatic_inertia.joint_inertia(self.geometry, self._masses, self._jacobian(poses))
 
     def rest_load(self, poses: Poses) -> Joints:
         """The slider forces (n, 3) [N] that hold the machine against gravity."""
         if not any(self.gravity):
             return np.zeros((len(poses), 3))
         return prismatic_inertia.rest_load(
-            self.geometry, self._masses, self.inverse_jacobian(poses), np.array(self.gravity)
+            self.geometry, self._masses, self._jacobian(poses), np.array(self.gravity)
         )
 
     def velocity_forces(self, poses: Poses) -> Array:
         """Q (n, 3, 3, 3) [kg/m]: slider i is pushed with ṗᵀ Q_i ṗ at a constant tool velocity ṗ."""
         return prismatic_inertia.velocity_forces(
-            self.geometry, self._masses, self.closed_legs(poses), self.inverse_jacobian(poses)
+            self.geometry, self._masses, self.closed_legs(poses), self._jacobian(poses)
         )
 
     def actuator_limits(self) -> ActuatorLimits:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from orthospec.arrays import np
 from orthospec.mechanics.inertia import inverse
 from orthospec.mechanics.parallelogram import parallelogram_compliance
-from orthospec.mechanics.virtual_joints import parallel_compliance
+from orthospec.mechanics.virtual_joints import parallel_compliance, spring_at
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -37,7 +37,7 @@ class Springs(NamedTuple):
     actuator: float
     """Compliance along the slide [m/N]."""
     feet: Array
-    """Compliance of each foot at its end, in its bar frame (3, 6, 6); zeros where rigid."""
+    """Compliance of each foot at its end, along the axes of space (3, 6, 6); zeros where rigid."""
     bars: Array
     """Compliance of each leg's bar at its end, in its bar frame (3, 6, 6); zeros where rigid."""
     spacing: float | None
@@ -73,12 +73,15 @@ def _through_drives(compliances: Array, wrenches: Array) -> Array:
     return found
 
 
-def foot_frame(machine: PrismaticLegs, i: int) -> Array:
-    """Rows x, y, z (3, 3): x along the slide towards the tool, y the first revolute axis, squared to it."""
-    x = -machine.branches[i] * machine.axes[i]
-    z = np.cross(x, machine.revolutes[i])
-    z /= np.linalg.norm(z)
-    return np.stack([x, np.cross(z, x), z])
+def feet_in_space(machine: PrismaticLegs, foot: Array) -> Array:
+    """A foot's compliance (6, 6) in its bar frame, as each chain has it along the axes of space (3, 6, 6).
+
+    The frame's x runs along the slide towards the tool, y is the first revolute axis, squared to it.
+    """
+    x = -machine.branches[:, None] * machine.axes
+    z = np.cross(x, machine.revolutes)
+    z /= np.linalg.norm(z, axis=1, keepdims=True)
+    return spring_at(foot, np.stack([x, np.cross(z, x), z], axis=1), np.zeros((3, 3)))
 
 
 def _chains(machine: PrismaticLegs, springs: Springs, s: Array) -> tuple[Array, Array]:
@@ -95,7 +98,7 @@ def _chains(machine: PrismaticLegs, springs: Springs, s: Array) -> tuple[Array, 
         compliances[:, i] = _leg(springs, i, bar)
         compliances[:, i, 0, 0] += springs.actuator * (machine.axes[i] @ bar.u) ** 2
         if springs.feet[i].any():
-            _add_foot(compliances[:, i], springs.feet[i], foot_frame(machine, i), (bar.u, *moments))
+            _add_foot(compliances[:, i], springs.feet[i], (bar.u, *moments))
     return compliances, wrenches
 
 
@@ -131,13 +134,12 @@ def _leg(springs: Springs, i: int, bar: _Bar) -> Array:
     return found
 
 
-def _add_foot(total: Array, foot: Array, frame: Array, loads: tuple[Array, ...]) -> None:
+def _add_foot(total: Array, foot: Array, loads: tuple[Array, ...]) -> None:
     """At the foot's end the same force (the first load) and moments act: the force passes through it."""
     blocks = foot.reshape(2, 3, 2, 3)
     for j, left in enumerate(loads):
         for k, right in enumerate(loads[: j + 1]):
-            block = frame.T @ blocks[min(j, 1), :, min(k, 1)] @ frame
-            work = _dot(left, block @ right)
+            work = _dot(left, blocks[min(j, 1), :, min(k, 1)] @ right)
             total[:, j, k] += work
             if j != k:
                 total[:, k, j] += work

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from orthospec.arrays import np
-from orthospec.mechanics.inertia import inverse
+from orthospec.mechanics.prismatic import inverse_jacobian
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Joints, Matrices
@@ -32,9 +32,8 @@ class Masses(NamedTuple):
     """Platform, tool and payload."""
 
 
-def joint_inertia(machine: PrismaticLegs, masses: Masses, inverse_jacobian: Matrices) -> Matrices:
-    """D (n, 3, 3) [kg]."""
-    J = inverse(inverse_jacobian)
+def joint_inertia(machine: PrismaticLegs, masses: Masses, J: Matrices) -> Matrices:
+    """D (n, 3, 3) [kg], from J = ∂p/∂ρ (n, 3, 3)."""
     m = masses.legs
     # At the joints j_i becomes unit vector i, and e_i becomes Jᵀ e_i.
     mixed = (m / 6)[:, None] * (machine.axes @ J)
@@ -43,18 +42,17 @@ def joint_inertia(machine: PrismaticLegs, masses: Masses, inverse_jacobian: Matr
     return np.asarray(found)
 
 
-def rest_load(machine: PrismaticLegs, masses: Masses, inverse_jacobian: Matrices, gravity: Array) -> Joints:
+def rest_load(machine: PrismaticLegs, masses: Masses, J: Matrices, gravity: Array) -> Joints:
     """The actuator forces (n, 3) [N] that hold the machine still; gravity (3,) [m/s^2]."""
     at_sliders = (masses.sliders + masses.legs / 2) * (machine.axes @ gravity)
     at_tool = (masses.platform + masses.legs.sum() / 2) * gravity
-    return np.asarray(-at_sliders - at_tool @ inverse(inverse_jacobian))
+    return np.asarray(-at_sliders - at_tool @ J)
 
 
-def velocity_forces(machine: PrismaticLegs, masses: Masses, legs: Legs, inverse_jacobian: Matrices) -> Array:
+def velocity_forces(machine: PrismaticLegs, masses: Masses, legs: Legs, J: Matrices) -> Array:
     """Q (n, 3, 3, 3) [kg/m]: actuator i exerts ṗᵀ Q_i ṗ at a constant tool velocity ṗ."""
-    J = inverse(inverse_jacobian)
     m = masses.legs
-    sway = machine.axes[:, :, None] * inverse_jacobian[:, :, None, :] - np.eye(3)
+    sway = machine.axes[:, :, None] * inverse_jacobian(legs)[:, :, None, :] - np.eye(3)
     with np.errstate(divide="ignore", invalid="ignore"):
         H = -np.swapaxes(sway, 2, 3) @ sway / legs.along.T[:, :, None, None]
     # Row i: how the inertia of chain i's slider and leg against its slider's acceleration acts on each joint.

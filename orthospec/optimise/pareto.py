@@ -19,18 +19,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.composite.trust_region import Iterate
-from orthospec.optimise.attain import Attained, Pressure, attain, hunt
-from orthospec.optimise.objective import Learnt
+from orthospec.optimise.attain import ATTAIN, Attained, attain, hunt
 from orthospec.optimise.place import Place, fit_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Workers, in_order
 from orthospec.spec import Spec
-from orthospec.workspace.conditions import Condition, Extreme
 from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
-from orthospec.workspace.fit import Group
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -81,8 +77,7 @@ def seek(space: DesignSpace, sought: Sought, _: Progress | None = None) -> Met:
     return Met(found, _gaps(space, found.end))
 
 
-_PARTS = (Met, Attained, Place, Group, Learnt, Extreme, Iterate, Pressure, Condition)
-SEEK = Task("points of the Pareto set", seek, problem_of, _PARTS)
+SEEK = Task("points of the Pareto set", seek, problem_of, (Met, *ATTAIN.makes))
 
 
 def find_front(spec: Spec, workers: Workers, progress: Progress | None = None) -> tuple[Point, ...]:

@@ -133,15 +133,7 @@ def _read(demands: Mapping[str, Demand], values: Mapping[str, float], text: str)
         known = " and ".join(sorted(demand.measure.sides))
         raise UsageError(f"--what-if {text}: {name} has no '{side}'; it knows {known}")
     try:
-        after = resolve(_number(value.strip()), demand.measure.unit, values)
+        after = resolve(value.strip(), demand.measure.unit, values)
     except ValueError as error:
         raise UsageError(f"--what-if {text}: {error}") from None
     return Moved(name, side, demand.bounds.get(side), after)
-
-
-def _number(text: str) -> float | str:
-    """A bare number is SI, as in a spec."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
