@@ -92,11 +92,11 @@ class Manipulator(BaseModel, ABC):
 
         All entries are inf where the machine is loose, that is where its stiffness is singular.
         """
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} offers no compliance")
 
     def joint_inertia(self, poses: Poses) -> Matrices:
         """D (n, m, m), the inertia in joint space [kg, kg*m^2]; optional."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} offers no joint inertia")
 
     def rest_load(self, poses: Poses) -> Joints:
         """The actuator forces (n, m) that hold the machine still [N, N*m]: none without gravity."""
