@@ -63,7 +63,9 @@ def _compose(text: str, file: str) -> _Node | None:
         raise SpecError([Mistake(file, *place, f"the character U+{code:04X} cannot stand in YAML")]) from None
 
 
+_TOO_DEEP = f"nested more than {_DEEPEST} deep"
 _WORDS = (
+    (r"maximum nesting depth", _TOO_DEEP),
     (r"escape character|hexdecimal", r"a '\' in double quotes has a meaning of its own; use single quotes"),
     (r"mapping values", "a ':' where none can stand; is the indentation wrong, or a quote missing?"),
     (r"unexpected end of stream", "a quote is opened and not closed"),
@@ -119,7 +121,7 @@ class _Composer:
 
     def _node(self, event: Any, depth: int) -> _Node:
         if depth > _DEEPEST:
-            raise self._error(event, f"nested more than {_DEEPEST} deep")
+            raise self._error(event, _TOO_DEEP)
         if isinstance(event, yaml.AliasEvent):
             if event.anchor not in self._anchors:
                 raise self._error(event, f"nothing above is marked &{event.anchor}")
