@@ -11,6 +11,7 @@ import pytest
 from orthospec import registry
 from orthospec.measures import Measure
 from orthospec.optimise import attain, evaluate_spec, run, solve
+from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Stopped
 from orthospec.optimise.workers import Here
@@ -300,11 +301,11 @@ class TestEndings:
 
 
 class OutOfOrder:
-    """Workers that have the first and third solve at hand, and are stopped in the middle of the second."""
+    """Workers that have refined the first and third start, and are stopped in the middle of the second."""
 
     def each(self, task, space, items, progress=None):
         done = list(Here().each(task, space, items, progress))
-        if task is not attain.ATTAIN:
+        if task is not attain.BEGIN:
             yield from done
             return
         yield done[0]
@@ -313,10 +314,10 @@ class OutOfOrder:
 
 
 def test_what_a_stopped_solve_leaves_takes_no_others_place(spec_of):
-    found = attain.hunt(DesignSpace(spec_of(SHORTEST, "optimise.starts=8")), OutOfOrder())
+    found = hunt(DesignSpace(spec_of(SHORTEST, "optimise.starts=8")), OutOfOrder())
     assert found.interrupted
-    assert len(found.solved) == 3
-    assert sorted(one.factor for one in found.solved.values())[-1] == 9.0
+    assert len(found.begun) == 3
+    assert sorted(one.factor for one in found.begun.values())[-1] == 9.0
 
 
 class Radius(Measure):

@@ -9,8 +9,8 @@ import yaml
 
 from orthospec.errors import SpecError, UsageError
 from orthospec.optimise import branch, evaluate_spec, solve
-from orthospec.optimise.attain import hunt
 from orthospec.optimise.branch import hunt_branches
+from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
 from orthospec.result import compose

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from orthospec.optimise import solve
-from orthospec.optimise.attain import hunt
+from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
 from orthospec.result import compose

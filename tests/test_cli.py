@@ -86,7 +86,7 @@ def test_each_status_has_its_exit_code_and_leaves_a_result(
     spec: Path, monkeypatch: pytest.MonkeyPatch, status: str, code: int
 ) -> None:
     errors = (PluginError("bad", None, "raised"),) if status == "failed" else ()
-    _solving(monkeypatch, status=status, errors=errors, search=Search(8, 3, 7, None))
+    _solving(monkeypatch, status=status, errors=errors, search=Search(8, 4, 3, 3, 7, None))
     _orthospec("run", spec.name, "-o", "out", code=code)
     assert read_result(Path("out"))["status"] == status
 

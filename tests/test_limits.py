@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orthospec.optimise import solve
-from orthospec.optimise.attain import hunt
+from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
 from orthospec.spec import load_spec

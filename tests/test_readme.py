@@ -22,7 +22,7 @@ from orthospec.measures import Demand
 from orthospec.measures.kinematic import ConditionNumber
 from orthospec.mechanics.materials import TABLE
 from orthospec.optimise import Outcome, solve
-from orthospec.optimise.attain import hunt
+from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
 from orthospec.result import compose

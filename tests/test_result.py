@@ -74,7 +74,7 @@ def _full(spec: Spec, finding: Finding) -> Finding:
             Limit("bound", "transmission", "at_least", ((0.1, 0.0, -0.0),), 0.0, 0.00265),
             Limit("bound", "transmission", "at_most", ((0.1, 0.1, 0.1),), 0.001, 0.00237),
         ),
-        search=Search(8, 3, 12, None),
+        search=Search(8, 4, 3, 3, 12, None),
         sweep=(finding,),
         errors=(PluginError("condition", f"{spec.document.file}:12:3", "raised ValueError: no"),),
     )

@@ -88,7 +88,7 @@ CONTENT: dict[str, Any] = {
         {"kind": "variable", "name": "leg", "side": "at_least", "gain": None, "cost": None},
         {"kind": "goal", "name": "length", "gain": 0.003, "cost": 0.003},
     ],
-    "search": {"designs": 8, "starts": 3, "subproblems": 7},
+    "search": {"designs": 8, "refined": 4, "distinct": 3, "starts": 3, "subproblems": 7},
     "provenance": {"orthospec": "0.1.0", "spec_sha256": "00"},
 }
 
@@ -173,9 +173,11 @@ def test_each_status_has_its_sentence(status: str, said: str) -> None:
 
 
 def test_where_nothing_was_found_it_says_what_was_searched_and_what_conflicts(spec: Spec) -> None:
-    search = {"designs": 8, "starts": 1, "subproblems": 7, "least_violation": 0.0492}
+    search = {"designs": 8, "refined": 4, "distinct": 2, "starts": 1, "subproblems": 7}
+    search["least_violation"] = 0.0492
     text = " ".join(_text(spec, status="infeasible", search=search).split())
-    assert "Searched: 8 designs on a coarse grid, 1 local solve." in text
+    said = "Searched: 8 designs on a coarse grid; 4 refined, leading to 2 places; 1 solved to the end."
+    assert said in text
     assert "The best point found misses its bounds by 4.9 %" in text
     assert "What conflicts measure transmission: at most 2" in text
 

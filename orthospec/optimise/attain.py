@@ -1,19 +1,17 @@
-"""Goal attainment of a spec: explore, solve from the best starts, keep the best, confirm it more finely."""
+"""One local solve: the trust region from a place to its end, confirmed with more critical points."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from orthospec.composite.trust_region import FEASIBLE, Assessment, Iterate, Solution, minimise
-from orthospec.optimise.explore import explore
 from orthospec.optimise.objective import Learnt
 from orthospec.optimise.place import Fit, Place, fit_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Stopped, Task, problem_of
-from orthospec.optimise.workers import Workers, counted
 from orthospec.workspace.conditions import Condition, Extreme
 from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
@@ -26,6 +24,8 @@ ROUNDING = 1e-10
 """A scaled variable this near an end of its range stands on it."""
 SAME = 1e-8
 """Ends nearer than this, relative, are one: the first is kept, and rounding does not choose between them."""
+FIRST = 8
+"""Most subproblems of a solve that is only begun."""
 CONFIRMATIONS = 4
 """How often a solution may be refined with critical points that only the finer lattice shows."""
 
@@ -71,73 +71,84 @@ class Attained:
         """Whether it is the better one, by more than rounding: feasible first, then the lower merit."""
         if self.feasible != other.feasible:
             return self.feasible
-        return self.merit < other.merit - SAME * abs(other.merit)
+        size = max(abs(other.merit), self.unit) if self.feasible else abs(other.merit)
+        return self.merit < other.merit - SAME * size
 
 
 @dataclass
-class Hunt:
-    """What a search has found so far; kept outside of it, so that Ctrl-C loses nothing."""
+class _Trace:
+    """The steps of a solve as they are taken: one stopped by Ctrl-C is not lost."""
 
-    designs: int = 0
-    solved: dict[int, Attained] = field(default_factory=dict)
-    """The end of each start's solve, by the start's rank."""
-    interrupted: bool = False
+    here: Assessment
+    before: int = 0
+    """Subproblems that went before, in an earlier part of the solve."""
+    progress: Progress | None = None
+    iterates: list[Iterate] = field(default_factory=list)
 
     @property
-    def best(self) -> Attained | None:
-        """The best end; of equal ones that of the first start, whichever was there first."""
-        best: Attained | None = None
-        for _, found in sorted(self.solved.items()):
-            if best is None or found.beats(best):
-                best = found
-        return best
+    def spent(self) -> int:
+        """Subproblems up to the last step."""
+        return self.iterates[-1].subproblems if self.iterates else self.before
 
-    def history(self, space: DesignSpace) -> list[dict[str, Any]]:
-        """Each start and the steps from there, for the log."""
-        return [
-            {"start": space.values(one.start.design), "iterates": [vars(iterate) for iterate in one.iterates]}
-            for _, one in sorted(self.solved.items())
-        ]
+    def follow(self, here: Assessment, iterate: Iterate) -> None:
+        """Note a step."""
+        self.here = here
+        self.iterates.append(_plain(iterate, self.before))
+        if self.progress is not None:
+            self.progress(f"subproblem {self.spent}", 0, 0)
+
+
+def begin(space: DesignSpace, place: Place, progress: Progress | None = None) -> Attained:
+    """The first few subproblems of a solve: enough to tell where it leads."""
+    fit = fit_at(space, place)
+    trace = _Trace(fit.problem.assess(fit.problem.start), progress=progress)
+    try:
+        found = minimise(fit.problem, fit.problem.start, most=FIRST, on_iterate=trace.follow)
+    except KeyboardInterrupt:
+        raise Stopped(_attained(fit, trace.here, trace.spent, trace)) from None
+    # Where the trace ends, feasible or not: it is on its way.
+    return _attained(fit, trace.here, found.subproblems, trace)
+
+
+def finish(space: DesignSpace, begun: Attained, progress: Progress | None = None) -> Attained:
+    """Solve to the end what was begun."""
+    found = _to_the_end(fit_at(space, begun.end, begun.learnt), begun.subproblems, progress)
+    return replace(found, start=begun.start, iterates=begun.iterates + found.iterates)
 
 
 def attain(space: DesignSpace, place: Place, progress: Progress | None = None) -> Attained:
     """Solve from one place."""
-    fit = fit_at(space, place)
-    problem = fit.problem
-    iterates: list[Iterate] = []
-    here = problem.assess(problem.start)
-
-    def follow(now: Assessment, iterate: Iterate) -> None:
-        nonlocal here
-        here = now
-        iterates.append(iterate)
-        if progress is not None:
-            progress(f"subproblem {iterate.subproblems}", 0, 0)
-
-    try:
-        found = minimise(problem, problem.start, on_iterate=follow)
-        spent = found.subproblems
-        problem.lattice = FINE
-        here = confirmed = problem.assess(_snapped(problem, found.x))
-        for _ in range(CONFIRMATIONS):
-            if confirmed.violation <= max(FEASIBLE, 1.01 * found.violation):
-                break
-            found = minimise(problem, confirmed.x, radius=0.02, on_iterate=follow)
-            spent += found.subproblems
-            here = confirmed = problem.assess(_snapped(problem, found.x))
-    except KeyboardInterrupt:
-        spent = iterates[-1].subproblems if iterates else 0
-        raise Stopped(_attained(fit, here, spent, iterates, None)) from None
-    return _attained(fit, confirmed, spent, iterates, found)
+    return _to_the_end(fit_at(space, place), 0, progress)
 
 
 _PARTS = (Attained, Place, Group, Learnt, Extreme, Iterate, Pressure, Condition)
-ATTAIN = Task("solving from the best starts", attain, problem_of, _PARTS)
+BEGIN = Task("refining the better starts", begin, problem_of, _PARTS)
+FINISH = Task("solving from the best starts", finish, problem_of, _PARTS)
 
 
-def _attained(
-    fit: Fit, here: Assessment, spent: int, iterates: list[Iterate], solution: Solution | None
-) -> Attained:
+def _to_the_end(fit: Fit, before: int, progress: Progress | None) -> Attained:
+    """Solve, counting from the subproblems ``before``, and confirm on a finer lattice."""
+    problem = fit.problem
+    trace = _Trace(problem.assess(problem.start), before, progress)
+    try:
+        found = minimise(problem, problem.start, on_iterate=trace.follow)
+        spent = before + found.subproblems
+        problem.lattice = FINE
+        trace.here = confirmed = problem.assess(_snapped(problem, found.x))
+        for _ in range(CONFIRMATIONS):
+            if confirmed.violation <= max(FEASIBLE, 1.01 * found.violation):
+                break
+            trace.before = spent
+            found = minimise(problem, confirmed.x, radius=0.02, on_iterate=trace.follow)
+            spent += found.subproblems
+            trace.here = confirmed = problem.assess(_snapped(problem, found.x))
+    except KeyboardInterrupt:
+        raise Stopped(_attained(fit, trace.here, trace.spent, trace)) from None
+    pressure = _pressure(fit, found) if confirmed.violation > FEASIBLE else None
+    return replace(_attained(fit, confirmed, spent, trace), pressure=pressure)
+
+
+def _attained(fit: Fit, here: Assessment, spent: int, trace: _Trace) -> Attained:
     return Attained(
         fit.place,
         fit.place.at(fit.problem.layout.unpack(here.x)),
@@ -146,14 +157,13 @@ def _attained(
         float(here.violation),
         fit.objective.unit,
         spent,
-        tuple(_plain(iterate) for iterate in iterates),
-        _pressure(fit, solution) if solution is not None and here.violation > FEASIBLE else None,
+        tuple(trace.iterates),
     )
 
 
-def _plain(iterate: Iterate) -> Iterate:
+def _plain(iterate: Iterate, before: int) -> Iterate:
     return Iterate(
-        iterate.subproblems,
+        before + iterate.subproblems,
         float(iterate.factor),
         float(iterate.violation),
         float(iterate.radius),
@@ -175,25 +185,6 @@ def _pressure(fit: Fit, solution: Solution) -> Pressure | None:
         tuple(zip(owners, hard, strict=True)),
         tuple((float(low), float(high)) for low, high in ends),
     )
-
-
-def hunt(space: DesignSpace, workers: Workers, progress: Progress | None = None) -> Hunt:
-    """Search the design space; stopped by Ctrl-C it gives back what it has."""
-    import cvxpy  # noqa: F401  # before Ctrl-C is caught: an import cut in half cannot be mended
-
-    state = Hunt()
-    try:
-        starts, state.designs = explore(space, workers, progress)
-        places = [start.place for start in starts]
-        for number, found in counted(workers, ATTAIN, space, places, progress):
-            state.solved[number] = found
-    except Stopped as stopped:
-        state.interrupted = True
-        if isinstance(stopped.made, Attained):
-            state.solved[max(state.solved, default=-1) + 1] = stopped.made
-    except KeyboardInterrupt:
-        state.interrupted = True
-    return state
 
 
 def _snapped(problem: FitProblem, x: Array) -> Array:

@@ -12,8 +12,9 @@ from itertools import product
 from typing import Any
 
 from orthospec.errors import UsageError
-from orthospec.optimise.attain import Attained, Hunt, hunt
+from orthospec.optimise.attain import Attained
 from orthospec.optimise.explore import problem_on_grid, start_at
+from orthospec.optimise.hunt import Hunt, hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task
 from orthospec.optimise.workers import Workers, in_order
@@ -54,14 +55,11 @@ class Branches:
         return any(found.interrupted for _, found in self.hunts)
 
     @property
-    def designs(self) -> int:
-        """Designs measured on the coarse grid."""
-        return sum(found.designs for _, found in self.hunts)
-
-    @property
-    def solves(self) -> int:
-        """Local solves."""
-        return sum(len(found.solved) for _, found in self.hunts)
+    def searched(self) -> tuple[int, int, int, int]:
+        """Designs measured on the coarse grid, refined, distinct ends of these, solved to the end."""
+        counts = ((h.designs, len(h.begun), h.distinct, len(h.solved)) for _, h in self.hunts)
+        designs, refined, distinct, solved = map(sum, zip(*counts, strict=True))
+        return designs, refined, distinct, solved
 
     def history(self) -> list[dict[str, Any]]:
         """Each start and the steps from there, for the log."""

@@ -30,10 +30,6 @@ COARSE = 10
 """Divisions of the prescribed size on the coarse grid."""
 MOST_COARSE = 500_000
 """Most nodes, roughly, of a coarse grid."""
-KEPT = 3
-"""Starts that go on to the local solver."""
-DISTINCT = 0.02
-"""Starts nearer than this, as a part of the variables' ranges, are one."""
 SMALLEST = 1e-4
 """The least scale that a start may have."""
 SCALES = (1e-3, 1e3)
@@ -146,19 +142,9 @@ def _cuboid(grid: Grid, states: NDArray[np.uint8]) -> Cuboid | None:
 def explore(
     space: DesignSpace, workers: Workers, progress: Progress | None = None
 ) -> tuple[list[Start], int]:
-    """The best few distinct starts, best first, and how many designs were measured."""
+    """The starts that were found, best first, and how many designs were measured."""
     designs = [tuple(map(float, z)) for z in candidates(space)]
     found = in_order(workers, MEASURE, space, designs, progress)
-    return _distinct([start for start in found if start is not None]), len(designs)
-
-
-def _distinct(starts: list[Start]) -> list[Start]:
-    kept: list[Start] = []
-    for start in sorted(starts, key=lambda start: start.merit):
-        if all(_distance(start.place, other.place) > DISTINCT for other in kept):
-            kept.append(start)
-    return kept[:KEPT]
-
-
-def _distance(one: Place, other: Place) -> float:
-    return float(np.abs(one.design - other.design).max(initial=0.0))
+    return sorted((start for start in found if start is not None), key=lambda start: start.merit), len(
+        designs
+    )

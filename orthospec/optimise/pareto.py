@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.optimise.attain import ATTAIN, Attained, attain, hunt
+from orthospec.optimise.attain import FINISH, Attained, attain
+from orthospec.optimise.hunt import hunt
 from orthospec.optimise.place import Place, fit_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task, problem_of
@@ -77,7 +78,7 @@ def seek(space: DesignSpace, sought: Sought, _: Progress | None = None) -> Met:
     return Met(found, _gaps(space, found.end))
 
 
-SEEK = Task("points of the Pareto set", seek, problem_of, (Met, *ATTAIN.makes))
+SEEK = Task("points of the Pareto set", seek, problem_of, (Met, *FINISH.makes))
 
 
 def find_front(spec: Spec, workers: Workers, progress: Progress | None = None) -> tuple[Point, ...]:

@@ -131,8 +131,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     except KeyboardInterrupt:
         stopped, status = True, "unfinished"
     search = Search(
-        branches.designs,
-        branches.solves,
+        *branches.searched,
         best.subproblems if best is not None else 0,
         None if best is None or best.feasible else float(best.violation),
         _conflicts(best, limits) if status == "infeasible" else (),

@@ -172,6 +172,8 @@ def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
     violation = search.least_violation
     return {
         "designs": search.designs,
+        "refined": search.refined,
+        "distinct": search.distinct,
         "starts": search.starts,
         "subproblems": search.subproblems,
         **_given(

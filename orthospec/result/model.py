@@ -160,8 +160,15 @@ class SearchRecord(_Record):
     """What was searched."""
 
     designs: int
+    """Measured on the coarse grid."""
+    refined: int | None = None
+    """The better ones, by a few subproblems each."""
+    distinct: int | None = None
+    """Places that these lead to."""
     starts: int
+    """The best places, solved to the end."""
     subproblems: int
+    """Of the solve that was kept."""
     least_violation: float | None = None
     conflicts: list[str] = []
     card: CardRecord | None = None

@@ -96,8 +96,12 @@ class Search:
 
     designs: int
     """Designs measured on the coarse grid."""
+    refined: int
+    """The better ones of them, each refined by a few subproblems."""
+    distinct: int
+    """Places that these lead to."""
     starts: int
-    """Local solves."""
+    """The best of these places, solved to the end."""
     subproblems: int
     """Convex subproblems of the solve that was kept."""
     least_violation: float | None

@@ -64,7 +64,7 @@ class _Writer:
         self.page.heading(self.result.title or str(self.result.manipulator["use"]))
         manner, said = words.status(self.result)
         self.page.sentence(said, manner=manner)
-        if self.result.search is not None and self.result.status == "infeasible":
+        if self.result.search is not None:
             self.page.sentence(words.searched(self.result.search))
 
     def _goals(self) -> None:
@@ -210,7 +210,7 @@ class _Writer:
         front = self.result.pareto
         if not front:
             return
-        self.page.heading(f"Pareto set: {len(front)} design{'' if len(front) == 1 else 's'}")
+        self.page.heading(f"Pareto set: {words.counted(len(front), 'design')}")
         soft = [
             n for n, goal in (front[0].attainment.goals if front[0].attainment else {}).items() if goal.weight
         ]

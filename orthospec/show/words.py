@@ -42,16 +42,22 @@ def status(result: Result) -> tuple[str, str]:
 
 
 def searched(search: SearchRecord) -> str:
-    """What was searched where no design was found."""
-    designs = f"{search.designs} design{'' if search.designs == 1 else 's'}"
-    solves = f"{search.starts} local solve{'' if search.starts == 1 else 's'}"
+    """What was searched, and what came of it."""
+    said = f"Searched: {counted(search.designs, 'design')} on a coarse grid"
+    if not search.refined and not search.starts:
+        return f"{said}. What follows is the start."
+    if search.refined is not None and search.distinct is not None:
+        said += f"; {search.refined} refined, leading to {counted(search.distinct, 'place')}"
+    said += f"; {search.starts} solved to the end."
     if search.least_violation is None:
-        return f"Searched: {designs} on a coarse grid, {solves}. What follows is the start."
+        return said
     worst = percent(search.least_violation)
-    return (
-        f"Searched: {designs} on a coarse grid, {solves}. The best point found misses its bounds by {worst}; "
-        "it is what follows."
-    )
+    return f"{said} The best point found misses its bounds by {worst}; it is what follows."
+
+
+def counted(number: int, name: str) -> str:
+    """``1 place``, ``2 places``."""
+    return f"{number} {name}{'' if number == 1 else 's'}"
 
 
 def holds(one: DesignRecord) -> bool:

@@ -86,29 +86,33 @@ def reach_box(manipulator: Manipulator, size: Array) -> Cuboid:
     Raises UsageError where nothing is reachable, or the reach has no end: the spec's region says it then.
     """
     half = np.array(size, dtype=float)
+    lattice = _lattice(len(size))
+    on_faces = (np.abs(lattice) == 0.5).any(axis=1)
     for _ in range(DOUBLINGS):
         box = Cuboid.around(np.zeros(len(size)), 2 * half)
-        inside = _reachable(manipulator, box)
-        shell = np.ones(inside.shape, dtype=bool)
-        shell[(slice(1, -1),) * inside.ndim] = False
-        if inside.any() and not (inside & shell).any():
-            closer = _around(box, inside)
-            return _around(closer, _reachable(manipulator, closer))
+        # The faces first: they are few, and decide it for all but the last box.
+        if not _reachable(manipulator, box, lattice[on_faces]).any():
+            inside = _reachable(manipulator, box, lattice)
+            if inside.any():
+                closer = _around(box, inside)
+                return _around(closer, _reachable(manipulator, closer, lattice))
         half *= 2
     raise UsageError("the machine's reach was not found, or has no end: give workspace.region in the spec")
 
 
-def _reachable(manipulator: Manipulator, box: Cuboid) -> NDArray[np.bool_]:
-    d = len(box.low)
+def _lattice(d: int) -> Array:
+    """Places u of the nodes in a box, C order (LATTICE^d, d)."""
     axis = np.linspace(-0.5, 0.5, LATTICE)
-    u = np.stack(np.meshgrid(*[axis] * d, indexing="ij"), axis=-1).reshape(-1, d)
-    reachable = manipulator.inverse_kinematics(box.poses(u, len(manipulator.axes)))[1]
-    return np.asarray(reachable).reshape((LATTICE,) * d)
+    return np.stack(np.meshgrid(*[axis] * d, indexing="ij"), axis=-1).reshape(-1, d)
+
+
+def _reachable(manipulator: Manipulator, box: Cuboid, u: Array) -> NDArray[np.bool_]:
+    return np.asarray(manipulator.inverse_kinematics(box.poses(u, len(manipulator.axes)))[1])
 
 
 def _around(box: Cuboid, inside: NDArray[np.bool_]) -> Cuboid:
-    """The part of the box that holds the nodes found inside, and one lattice step more."""
-    where = np.argwhere(inside)
+    """The part of the box that holds the lattice's nodes found inside, and one lattice step more."""
+    where = np.argwhere(inside.reshape((LATTICE,) * len(box.low)))
     if len(where) == 0:
         return box
     pitch = box.size / (LATTICE - 1)
