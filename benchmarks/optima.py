@@ -8,7 +8,7 @@ alike. That these corners are the worst poses is what the solver's search over t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import mpmath as mp
@@ -95,6 +95,12 @@ def least_pull(edge: Number, leg: Number) -> Number:
 def round_leg(edge: Number, leg: Number, stiffness: Number) -> Number:
     """Universal joints pass the force along a leg only: E A/L times the least pull squared."""
     return sqrt(4 * stiffness * leg / (mp.pi * STEEL)) / least_pull(edge, leg)
+
+
+def product_of_many(costs: Sequence[Number], product: Number) -> Number:
+    """The least Σ c_i x_i with Π x_i given: every c_i x_i is their geometric mean."""
+    n = len(costs)
+    return n * (product * mp.fprod(costs)) ** (mpf(1) / n)
 
 
 def lightest_legs(edge: Number, stiffness: Number) -> Number:

@@ -215,10 +215,25 @@ FOOT = (
 STIFF = "k: {use: stiffness, at_least: 2e7}"
 
 
+def factors_of_a_diameter(count: int) -> SpecProblem:
+    """The least weighted sum of many variables whose product is the diameter of round legs."""
+    costs = [mpf(f"{0.8 + 0.02 * i:.2f}") for i in range(count)]
+    names = [f"x{i}" for i in range(count)]
+    product = f"0.01 * {' * '.join(names)}"
+    return least(
+        optima.product_of_many(costs, optima.round_leg(A, L, mpf("2e7")) / mpf("0.01")),
+        f"{' + '.join(f'{cost} * {name}' for cost, name in zip(costs, names, strict=True))}, goal: {count}",
+        ", ".join(f"{name}: {{min: 0.5, max: 2}}" for name in names),
+        f"{GIVEN}, {ROUND.replace('diameter: d', f'diameter: {product}')}",
+        STIFF,
+    )
+
+
 def sections() -> dict[str, Problem]:
     """Bars of legs and feet for a stiffness."""
     stiffness = mpf("2e7")
     return {
+        "twenty factors": factors_of_a_diameter(20),
         "round legs": least(
             optima.round_leg(A, L, stiffness),
             "d, goal: 0.01",

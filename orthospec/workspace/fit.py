@@ -260,19 +260,23 @@ class FitProblem:
         return w
 
     def _w(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> Array:
-        parts = self._numbers(machine, points, selection)
+        # One read-only block for numbers and forms: the machine computes it once.
+        poses = [self._poses(machine, points, g, slots) for g, slots in enumerate(selection.slots)]
+        parts = self._numbers(machine, points, selection, poses)
         parts.append(np.array([self.layout.limits.rows(self.size, point) for point in points]))
         parts.append(np.array([self._objective.rows(machine, point) for point in points]))
-        parts += self._insides(machine, points, selection)
+        parts += self._insides(machine, points, selection, poses)
         return np.concatenate([part.reshape(len(points), -1) for part in parts], axis=1)
 
-    def _numbers(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> list[Array]:
+    def _numbers(
+        self, machine: Machine, points: Sequence[Point], selection: _Selection, poses: Sequence[Poses]
+    ) -> list[Array]:
         parts = []
         for g, slots in enumerate(selection.slots):
             mine = [part for part in selection.numbers if part.group == g]
             conditions = [part.term for part in mine if isinstance(part.term, Condition)]
             asked = [part.term for part in mine if isinstance(part.term, Extreme)]
-            sample = Sample(machine, self._poses(machine, points, g, slots))
+            sample = Sample(machine, poses[g])
             values = sample.rows(conditions, asked, self._relaxed)
             for part, value in zip(mine, values.reshape(-1, len(points), len(slots)), strict=True):
                 if isinstance(part.term, Extreme):
@@ -281,8 +285,9 @@ class FitProblem:
                 parts.append(part.sign * value[:, part.at])
         return parts
 
-    def _insides(self, machine: Machine, points: Sequence[Point], selection: _Selection) -> list[Array]:
-        poses = [self._poses(machine, points, g, slots) for g, slots in enumerate(selection.slots)]
+    def _insides(
+        self, machine: Machine, points: Sequence[Point], selection: _Selection, poses: Sequence[Poses]
+    ) -> list[Array]:
         parts = []
         for part in selection.forms:
             form = form_of(machine, str(part.term.of), str(part.term.side), poses[part.group])
