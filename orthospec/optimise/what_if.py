@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from orthospec.errors import UsageError
 from orthospec.measures import Demand
-from orthospec.measures.demand import bounded_side
 from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task, machine_and_measures
@@ -21,13 +20,16 @@ from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.quantities.fields import resolve
 from orthospec.spec import Design, Spec
 from orthospec.workspace.cuboid import edge_lengths
-from orthospec.workspace.field import Block
+from orthospec.workspace.field import Block, failed
 from orthospec.workspace.grid import Grid
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from orthospec.workspace.field import Progress
+
+_Key: TypeAlias = tuple[object, ...]
+_Masks: TypeAlias = "dict[_Key, NDArray[np.bool_]]"
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ class Known:
     grid: Grid
     blocks: tuple[Block, ...]
     """Each measure at each node once."""
-    scales: dict[tuple[object, ...], float] = field(default_factory=dict)
+    scales: dict[tuple[_Key, ...], float] = field(default_factory=dict)
 
     def answer(self, moves: Sequence[Moved]) -> Answer:
         """The cuboids before and after."""
@@ -78,27 +80,26 @@ class Known:
             here = after[move.measure]
             after[move.measure] = replace(here, bounds={**here.bounds, move.side: move.after})
         names = dict.fromkeys(move.measure for move in moves)
-        alone = {name: self._change([before[name]], [after[name]]) for name in names}
+        masks: _Masks = {}
+        alone = {name: self._change([before[name]], [after[name]], masks) for name in names}
         together = self.spec.workspace.together
-        joint = self._change(list(before.values()), list(after.values())) if together else None
+        joint = self._change(list(before.values()), list(after.values()), masks) if together else None
         return Answer(tuple(moves), joint, alone)
 
-    def _change(self, before: Sequence[Demand], after: Sequence[Demand]) -> Change:
-        return Change(self._scale(before), self._scale(after))
+    def _change(self, before: Sequence[Demand], after: Sequence[Demand], masks: _Masks) -> Change:
+        return Change(self._scale(before, masks), self._scale(after, masks))
 
-    def _scale(self, demands: Sequence[Demand]) -> float:
-        """The grid's metric where all demands are met."""
-        key = tuple((demand.name, *sorted(demand.bounds.items())) for demand in demands)
-        if key not in self.scales:
-            self.scales[key] = self._measured(demands)
-        return self.scales[key]
-
-    def _measured(self, demands: Sequence[Demand]) -> float:
-        met = np.ones(self.grid.nodes, dtype=bool)
-        for demand in demands:
-            met &= self._met(demand)
-        edge = int(edge_lengths(met.reshape(self.grid.shape)).max(initial=0))
-        return max(edge - 1, 0) / self.spec.workspace.divisions
+    def _scale(self, demands: Sequence[Demand], masks: _Masks) -> float:
+        """The grid's metric where all demands are met; ``masks`` has what each comes to, once found."""
+        keys = tuple((demand.name, *sorted(demand.bounds.items())) for demand in demands)
+        if keys not in self.scales:
+            for key, demand in zip(keys, demands, strict=True):
+                if key not in masks:
+                    masks[key] = self._met(demand)
+            met = np.logical_and.reduce([masks[key] for key in keys])
+            edge = int(edge_lengths(met.reshape(self.grid.shape)).max(initial=0))
+            self.scales[keys] = max(edge - 1, 0) / self.spec.workspace.divisions
+        return self.scales[keys]
 
     def _met(self, demand: Demand) -> NDArray[np.bool_]:
         """Whether each node meets a demand, (nodes,)."""
@@ -106,9 +107,7 @@ class Known:
         for block in self.blocks:
             if demand.name in block.values:
                 values = block.values[demand.name]
-                # A bound is not met where there is no value; without one the value itself must be looked at.
-                here = demand.meets(values) if demand.bounds else ~np.isnan(bounded_side(values, "at_most"))
-                met[block.nodes][block.reachable] = here
+                met[block.nodes][block.reachable] = demand.meets(values) & ~failed(values)
         return met
 
 

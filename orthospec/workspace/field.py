@@ -140,10 +140,12 @@ def node_states(
         for state, owner, demand in zip(states, owners, demands, strict=False):
             if owner.name not in block.values:
                 continue
-            found, failed = _judged(demand, block.values[owner.name])
-            state[block.nodes][block.reachable] = found
-            if failed.any():
-                node = block.start + int(np.flatnonzero(block.reachable)[np.argmax(failed)])
+            values = block.values[owner.name]
+            fails = failed(values)
+            met = np.where(demand.meets(values), State.MEETS, State.VIOLATES)
+            state[block.nodes][block.reachable] = np.where(fails, State.FAILED, met)
+            if fails.any():
+                node = block.start + int(np.flatnonzero(block.reachable)[np.argmax(fails)])
                 failed_at[demand.name] = min(node, failed_at.get(demand.name, node))
         if not demands:
             states[0][block.nodes][block.reachable] = State.MEETS
@@ -156,11 +158,9 @@ def node_states(
     return [state.reshape(grid.shape) for state in states], failures
 
 
-def _judged(demand: Demand, values: Array) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
-    """The states of reachable nodes, and which of them failed."""
-    failed = np.asarray(np.isnan(values).any(axis=tuple(range(1, values.ndim))))
-    met = np.where(demand.meets(values), State.MEETS, State.VIOLATES)
-    return np.where(failed, State.FAILED, met).astype(np.uint8), failed
+def failed(values: Array) -> NDArray[np.bool_]:
+    """Where a measure gave no value at a reachable pose, or not both, (n,)."""
+    return np.asarray(np.isnan(values).any(axis=tuple(range(1, values.ndim))))
 
 
 def fields(
