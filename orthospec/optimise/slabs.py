@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 SLAB = 4 * BLOCK
 """Nodes to a slab: a tenth of a second of work and more, for a megabyte that comes back, in a thousandth."""
 WORTH_SHARING = 3.0
-"""Seconds that the rest of a field must take, by its first slab, before others are asked to help.
+"""Seconds that the rest of a field must take, by one slab of it, before others are asked to help.
 
 Processes begin in one or two seconds, and two of them save half of what is left at most.
 """
@@ -115,13 +115,16 @@ class Slabs:
         return None if cache is None else KeptFields(cache, self.space, self.design)
 
     def _measured(self, slabs: Sequence[Slab], progress: Progress | None) -> Iterator[Block]:
-        """The first slab here; the others by those who help, where it is worth their while."""
+        """The slab in the middle here; the others by those who help, where it is worth their while."""
+        # The first slabs are mostly out of reach, and tell nothing of the time that the others take.
+        middle = len(slabs) // 2
         begin = time.perf_counter()
-        first = [measure_slab(self.space, slab) for slab in slabs[:1]]
-        left = (time.perf_counter() - begin) * len(slabs[1:])
-        yield from first
-        helpers = self.space.helpers if left > WORTH_SHARING else None
-        for _, block in (helpers or Here()).each(SLABS, self.space, slabs[1:], progress):
+        here = [measure_slab(self.space, slab) for slab in slabs[middle : middle + 1]]
+        seconds = time.perf_counter() - begin
+        yield from here
+        rest = [*slabs[:middle], *slabs[middle + 1 :]]
+        helpers = self.space.helpers if seconds * len(rest) > WORTH_SHARING else None
+        for _, block in (helpers or Here()).each(SLABS, self.space, rest, progress):
             yield block
 
 

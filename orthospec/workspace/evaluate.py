@@ -174,9 +174,8 @@ class _Search:
         """The largest cuboid of one mask, polished from each cluster of the grid's best placements."""
         edges = edge_lengths(states == State.MEETS)
         best = largest(edges)
-        counts = np.bincount(states.ravel(), minlength=len(State))
-        nodes = {state.name.lower(): int(counts[state]) for state in (State.MEETS, State.VIOLATES)}
-        nodes |= {state.name.lower(): int(counts[state]) for state in (State.UNREACHABLE, State.FAILED)}
+        order = (State.MEETS, State.VIOLATES, State.UNREACHABLE, State.FAILED)
+        nodes = {state.name.lower(): int(np.count_nonzero(states == state)) for state in order}
         if best is None:
             return Largest(0.0, 0.0, 0, None, nodes)
         starts = [self.grid.cuboid(placement) for placement in [best, *clusters(edges)[1:STARTS]]]
