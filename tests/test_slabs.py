@@ -137,6 +137,18 @@ def test_a_field_too_large_to_keep_is_made_all_the_same(
     assert not list(tmp_path.rglob("*.field"))
 
 
+def test_fields_do_not_fill_the_disk_before_the_end(
+    spec: Spec, design: Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Cache.trim, "__defaults__", (20_000, ""))
+    cache = Cache(tmp_path)
+    cache.write("0" * 64, "x" * 50_000)
+    space = DesignSpace(spec, cache)
+    assert _states(design, design.demands, Slabs(space, LEG)) == _states(design, design.demands)
+    assert 0 < sum(path.stat().st_size for path in tmp_path.rglob("*.field")) <= 20_000
+    assert cache.read("0" * 64) is not None
+
+
 def test_the_first_failure_is_the_same_in_any_order(spec: Spec, design: Design) -> None:
     def half_missing(manipulator: Any, demands: Any, grid: Grid, progress: Any) -> Iterator[Any]:
         for block in Slabs(DesignSpace(spec, helpers=Backwards()), LEG)(manipulator, demands, grid, progress):

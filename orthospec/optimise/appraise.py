@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from orthospec.errors import OrthospecError, PluginFault
+from orthospec.errors import OrthospecError, PluginFault, WorkersLost
 from orthospec.measures import Level
 from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace, machine_of
@@ -77,6 +77,8 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
                 machine = replace(machine, demands=others)
                 continue
             return Appraisal(evaluation, tuple(faults))
+    except WorkersLost:
+        raise
     except OrthospecError as error:
         return Appraisal(None, tuple(faults), error)
 

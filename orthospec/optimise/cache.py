@@ -89,12 +89,15 @@ class Cache:
         finally:
             fresh.unlink(missing_ok=True)
 
-    def trim(self, most: int = MOST_BYTES) -> None:
-        """Remove what was unused for longest, until no more than so many bytes are left; no other's files."""
+    def trim(self, most: int = MOST_BYTES, kind: str = "") -> None:
+        """Remove what was unused for longest, until no more than so many bytes are left; no other's files.
+
+        With a kind only files of that kind are counted, and removed.
+        """
         found = []
         for path in self.folder.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(OSError):
-                if OURS.fullmatch(path.name):
+                if OURS.fullmatch(path.name) and path.name.endswith(kind):
                     found.append((path.stat().st_mtime, path.stat().st_size, path))
         total = sum(size for _, size, _ in found)
         for _, size, path in sorted(found):

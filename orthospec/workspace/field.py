@@ -160,7 +160,9 @@ def node_states(
 
 def failed(values: Array) -> NDArray[np.bool_]:
     """Where a measure gave no value at a reachable pose, or not both, (n,)."""
-    return np.asarray(np.isnan(values).any(axis=tuple(range(1, values.ndim))))
+    missing = np.isnan(values)
+    # By columns: a reduction along rows of two takes thirty times as long.
+    return missing if missing.ndim == 1 else missing[:, 0] | missing[:, 1]
 
 
 def fields(
