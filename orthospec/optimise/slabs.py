@@ -127,8 +127,12 @@ class Slabs:
         yield from here
         rest = [*slabs[:middle], *slabs[middle + 1 :]]
         helpers = self.space.helpers if seconds * len(rest) > WORTH_SHARING else None
-        for _, block in (helpers or Here()).each(SLABS, self.space, rest, progress):
-            yield block
+        # Many helpers are faster than this process takes their slabs: no more may wait than a kept field has.
+        several = max(1, MOST_KEPT // SLAB)
+        for first in range(0, len(rest), several):
+            some = rest[first : first + several]
+            for _, block in (helpers or Here()).each(SLABS, self.space, some, progress):
+                yield block
 
 
 def _known(kept: KeptFields, slab: Slab) -> list[Block]:

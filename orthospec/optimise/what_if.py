@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -96,7 +97,7 @@ class Known:
             for key, demand in zip(keys, demands, strict=True):
                 if key not in masks:
                     masks[key] = self._met(demand)
-            met = np.logical_and.reduce([masks[key] for key in keys])
+            met = reduce(np.logical_and, [masks[key] for key in keys])
             edge = int(edge_lengths(met.reshape(self.grid.shape)).max(initial=0))
             self.scales[keys] = max(edge - 1, 0) / self.spec.workspace.divisions
         return self.scales[keys]
