@@ -296,6 +296,7 @@ def _fields(
     try:
         return fields_of(spec, outcome.finding.design, progress=progress, workers=workers)
     except KeyboardInterrupt:
+        say("stopped before the fields were complete: fields.npz is left out")
         outcome.interrupted = True
         return None
 

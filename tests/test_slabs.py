@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -186,3 +187,16 @@ def test_an_evaluation_is_the_same_with_help(spec: Spec, design: Design) -> None
     assert repr(evaluate(machine, space.setting, blocks=Slabs(space, LEG))) == repr(
         evaluate(machine, space.setting)
     )
+
+
+def test_a_space_takes_its_folder_to_other_processes_where_there_is_one(spec: Spec, tmp_path: Path) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "gone").mkdir()
+    here, gone = (
+        pickle.dumps(DesignSpace(spec, Cache(tmp_path / name), Backwards())) for name in ("here", "gone")
+    )
+    (tmp_path / "gone").rmdir()
+    there = pickle.loads(here)
+    assert there.cache.folder == tmp_path / "here"
+    assert there.helpers is None
+    assert pickle.loads(gone).cache is None

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -62,6 +64,20 @@ def test_a_measure_without_bounds_holds_wherever_it_is_in_reach():
     answer = know(spec, AT).answer(read_moves(spec, AT, ["transmission.at_most=2"]))
     reach = evaluate_spec(load_spec(path, [grid, "measures={}"]), AT).finding.evaluation.joint
     assert answer.joint.before == pytest.approx(reach.grid_scale)
+
+
+def test_a_node_where_a_measure_failed_is_met_by_no_bound(known):
+    def failed(block):
+        values = block.values["transmission"].copy()
+        if len(values):
+            values[:, 0] = np.nan
+        return replace(block, values={"transmission": values})
+
+    (demand,) = known.design.demands
+    most_alone = replace(known.design, demands=(replace(demand, bounds={"at_most": 2.0}),))
+    nowhere = replace(known, design=most_alone, blocks=tuple(map(failed, known.blocks)), scales={})
+    answer = nowhere.answer(read_moves(known.spec, AT, ["transmission.at_most=2.2"]))
+    assert (answer.joint.before, answer.joint.after) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
