@@ -22,7 +22,9 @@ from orthospec.guard import DONE, NOT_MET, PLUGIN, STOPPED, exit_code, say
 from orthospec.threads import one_blas_thread
 
 if TYPE_CHECKING:
+    from orthospec.arrays import Array
     from orthospec.optimise import Outcome, Workers
+    from orthospec.show import ProgressLine
     from orthospec.spec import Spec
 
 WIDEST = 100
@@ -150,7 +152,8 @@ def run(
     check_destination(folder)
     with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
         outcome = solve(problem, progress=progress, workers=workers)
-    return _hand_over(problem, outcome, folder, fields, as_json)
+        kept = _fields(problem, outcome, progress, workers) if fields else None
+    return _hand_over(problem, outcome, folder, kept, as_json)
 
 
 @_command
@@ -212,14 +215,16 @@ def evaluate(
     if what_if:
         if out is not None or fields:
             raise UsageError("--what-if prints its answer and writes no result: leave -o and --fields out")
-        return _tell_what_if(problem, values, what_if, as_json)
+        with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
+            return _tell_what_if(problem, values, what_if, progress, workers, as_json)
     if out is not None:
         check_destination(out)
     elif fields:
         raise UsageError("--fields writes into a result folder: give one with -o DIR")
     with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
         outcome = evaluate_spec(problem, values, progress=progress, workers=workers)
-    return _hand_over(problem, outcome, out, fields, as_json)
+        kept = _fields(problem, outcome, progress, workers) if fields else None
+    return _hand_over(problem, outcome, out, kept, as_json)
 
 
 @_command
@@ -280,16 +285,31 @@ def _workers(jobs: int, on: str | None, cache: Path | None, resume: bool) -> Ite
         say(f"resumed: {keeping.known} of {keeping.asked} steps were done already")
 
 
-def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, fields: bool, as_json: bool) -> int:
-    """Write, print, and say how it went."""
+def _fields(
+    spec: Spec, outcome: Outcome, progress: ProgressLine, workers: Workers
+) -> dict[str, Array] | None:
+    """What is asked for by --fields; none where the run was stopped, or is now, or a plugin failed."""
     from orthospec.optimise import fields_of
+
+    if outcome.interrupted or outcome.finding.status == "failed":
+        return None
+    try:
+        return fields_of(spec, outcome.finding.design, progress=progress, workers=workers)
+    except KeyboardInterrupt:
+        say("stopped before the fields were complete: fields.npz is left out")
+        outcome.interrupted = True
+        return None
+
+
+def _hand_over(
+    spec: Spec, outcome: Outcome, folder: Path | None, kept: dict[str, Array] | None, as_json: bool
+) -> int:
+    """Write, print, and say how it went."""
     from orthospec.result import compose, write_result
     from orthospec.show import show as text
 
     content = compose(spec, outcome.finding)
     if folder is not None:
-        whole = not outcome.interrupted and outcome.finding.status != "failed"
-        kept = fields_of(spec, outcome.finding.design) if fields and whole else None
         write_result(folder, spec, content, outcome.log, kept)
     if as_json:
         _print_json(content)
@@ -300,12 +320,19 @@ def _hand_over(spec: Spec, outcome: Outcome, folder: Path | None, fields: bool, 
     return _code_of(outcome)
 
 
-def _tell_what_if(spec: Spec, values: dict[str, float], moves: list[str], as_json: bool) -> int:
+def _tell_what_if(
+    spec: Spec,
+    values: dict[str, float],
+    moves: list[str],
+    progress: ProgressLine,
+    workers: Workers,
+    as_json: bool,
+) -> int:
     from orthospec.optimise.what_if import know, read_moves
     from orthospec.show import show_what_if, what_if_content
 
     asked = read_moves(spec, values, moves)
-    known = know(spec, values)
+    known = know(spec, values, progress=progress, workers=workers)
     answer = known.answer(asked)
     if as_json:
         _print_json(what_if_content(answer))

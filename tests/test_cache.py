@@ -145,18 +145,24 @@ def test_another_bound_reuses_the_field_of_a_design_and_gives_the_same_bytes(
 
 
 def test_a_damaged_field_counts_as_none(tmp_path: Path, spec_of: Callable[..., Spec]) -> None:
+    random, grid = np.random.default_rng(0), Grid((0.1,) * 3, (0,) * 3, (4,) * 3, 3)
     kept = KeptFields(Cache(tmp_path), DesignSpace(spec_of(SPEC)), [0.3])
-    grid = Grid((0.1,) * 3, (0,) * 3, (4,) * 3, 3)
-    values = np.random.default_rng(0).random((50, 2))
-    assert kept.read("transmission", grid) is None
-    kept.write("transmission", grid, values)
-    np.testing.assert_array_equal(kept.read("transmission", grid), values)
+    reachable = random.random(50) < 0.6
+    values = random.random((int(reachable.sum()), 2))
+    assert kept.read("transmission", grid, 10, 60) is None
+    kept.write(field.Block(10, reachable, {"transmission": values}), grid)
+    found = kept.read("transmission", grid, 10, 60)
+    assert found is not None
+    assert found.start == 10
+    np.testing.assert_array_equal(found.reachable, reachable)
+    np.testing.assert_array_equal(found.values["transmission"], values)
     (file,) = (path for path in tmp_path.rglob("*") if path.is_file())
     whole = file.read_bytes()
-    flipped = whole[:300] + bytes([whole[300] ^ 1]) + whole[301:]
-    for damaged in (b"", whole[:200], flipped):
-        file.write_bytes(damaged)
-        assert kept.read("transmission", grid) is None
+    for at in range(0, len(whole), 7):
+        flipped = whole[:at] + bytes([whole[at] ^ 2]) + whole[at + 1 :]
+        for damaged in (whole[:at], flipped):
+            file.write_bytes(damaged)
+            assert kept.read("transmission", grid, 10, 60) is None
 
 
 def test_a_damaged_file_counts_as_none(tmp_path: Path) -> None:
@@ -185,6 +191,7 @@ def test_only_what_has_not_been_used_for_longest_is_removed(tmp_path: Path) -> N
         os.utime(path, (age, age))
     cache.read(keys[2])
     cache.trim(2500)
+    cache.trim(0, kind=".field")
     assert [cache.read(key) is not None for key in keys] == [True, False, True]
     assert all(path.exists() for path in others)
 

@@ -329,6 +329,18 @@ def test_fields_keeps_the_values_on_the_grid_beside_the_result(spec: Path) -> No
         assert np.isnan(kept["transmission"][0, 0, 0]).all()
 
 
+def test_ctrl_c_while_fields_are_made_leaves_the_rest_of_the_result(
+    spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("orthospec.optimise.fields_of", stopped)
+    told = _orthospec("evaluate", str(spec), "-o", "stopped", "--fields", code=4)
+    assert "fields.npz is left out" in told.stderr
+    assert {path.name for path in Path("stopped").iterdir()} == {"result.yaml", "spec.yaml", "run.log.json"}
+
+
 @pytest.mark.usefixtures("spec")
 def test_fields_without_a_folder_says_what_to_add() -> None:
     assert "-o DIR" in _orthospec("evaluate", "small.yaml", "--fields", code=2).stderr

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from hashlib import sha256
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -25,7 +26,7 @@ from orthospec.errors import (
     UsageError,
     WorkersLost,
 )
-from orthospec.optimise import hired, solve, workers
+from orthospec.optimise import fields_of, hired, slabs, solve, workers
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task
 from orthospec.result import compose, read_result
@@ -71,7 +72,34 @@ def undisturbed(spec: Spec) -> str:
 
 
 def _result(spec: Spec, **options: Any) -> str:
-    return dump(compose(spec, solve(spec, **options).finding))
+    """A solve as it is told, and its fields."""
+    finding = solve(spec, **options).finding
+    found = fields_of(spec, finding.design, **options)
+    return dump(compose(spec, finding)) + repr({name: sha256(found[name]).hexdigest() for name in found})
+
+
+@pytest.fixture
+def shared_field(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A field of 1700 nodes is a large one, in seven slabs."""
+    monkeypatch.setattr(slabs, "SLAB", 250)
+    monkeypatch.setattr(slabs, "WORTH_SHARING", -1.0)
+
+
+def _who(space: DesignSpace, _: None, __: Any) -> tuple[int, Any]:
+    return os.getpid(), space.helpers
+
+
+class Killer:
+    """Kills one worker in the midst of the coarse designs, and one in the midst of the grid."""
+
+    def __init__(self, kill: Callable[[], None]) -> None:
+        self._kill, self.killed = kill, []
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        stage = stage.partition(" ")[0]
+        if stage in {"designs", "grid"} - set(self.killed) and 0 < done < total:
+            self.killed.append(stage)
+            self._kill()
 
 
 @pytest.fixture(scope="module")
@@ -87,18 +115,12 @@ def helper(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str],
 
 
 class TestProcesses:
-    def test_two_processes_give_the_same_bytes_though_one_dies(self, spec: Spec, undisturbed: str) -> None:
-        killed = []
-
-        def kill_one(stage: str, done: int, _: int) -> None:
-            if stage.startswith("designs") and done == 1:
-                victim = multiprocessing.active_children()[0]
-                killed.append(victim.pid)
-                victim.kill()
-
+    @pytest.mark.usefixtures("shared_field")
+    def test_two_processes_give_the_same_bytes_though_some_die(self, spec: Spec, undisturbed: str) -> None:
+        killer = Killer(lambda: multiprocessing.active_children()[0].kill())
         with hired(jobs=2) as two:
-            assert _result(spec, workers=two, progress=kill_one) == undisturbed
-        assert len(killed) == 1
+            assert _result(spec, workers=two, progress=killer) == undisturbed
+        assert killer.killed == ["designs", "grid"]
         assert not multiprocessing.active_children()
 
     def test_each_unpacks_the_problem_once_and_has_one_thread(
@@ -111,6 +133,12 @@ class TestProcesses:
         by_process = {(pid, space) for _, pid, space, _ in found}
         assert len(by_process) == len({pid for pid, _ in by_process})
         assert os.getpid() not in {pid for pid, _ in by_process}
+
+    def test_a_single_task_that_divides_is_done_here_with_their_help(self, spec: Spec) -> None:
+        task = Task("alone", _who, dict, divides=True)
+        with hired(jobs=2) as two:
+            assert workers.in_order(two, task, DesignSpace(spec), [None]) == [(os.getpid(), two)]
+        assert not multiprocessing.active_children()
 
     def test_a_task_that_kills_every_worker_is_told(
         self, spec: Spec, helper: Callable[[str], Task[Any, Any]]
@@ -145,22 +173,21 @@ def test_errors_cross_from_one_process_to_another_unharmed(error: OrthospecError
 
 
 class TestCluster:
-    def test_a_cluster_that_loses_a_worker_gives_the_same_bytes(self, spec: Spec, undisturbed: str) -> None:
+    @pytest.mark.usefixtures("shared_field")
+    def test_a_cluster_that_loses_workers_gives_the_same_bytes(self, spec: Spec, undisturbed: str) -> None:
         from distributed import LocalCluster
 
-        killed = []
         quiet = {"dashboard_address": None, "silence_logs": 60, "threads_per_worker": 1}
         with LocalCluster(n_workers=2, **quiet) as cluster:
 
-            def kill_one(stage: str, done: int, _: int) -> None:
-                if stage.startswith("designs") and done == 1:
-                    victim = next(iter(cluster.workers.values())).pid
-                    killed.append(victim)
-                    os.kill(victim, signal.SIGKILL)
+            def kill_one() -> None:
+                victim = next(worker.pid for worker in cluster.workers.values() if worker.pid)
+                os.kill(victim, signal.SIGKILL)
 
+            killer = Killer(kill_one)
             with hired(on=cluster.scheduler_address) as there:
-                assert _result(spec, workers=there, progress=kill_one) == undisturbed
-        assert len(killed) == 1
+                assert _result(spec, workers=there, progress=killer) == undisturbed
+        assert killer.killed == ["designs", "grid"]
 
     def test_other_versions_on_the_cluster_are_refused(
         self, spec: Spec, helper: Callable[[str], Task[Any, Any]], monkeypatch: pytest.MonkeyPatch

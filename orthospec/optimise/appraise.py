@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from orthospec.errors import OrthospecError, PluginFault, UsageError
+from orthospec.errors import OrthospecError, PluginFault, WorkersLost
 from orthospec.measures import Level
-from orthospec.optimise.cache import Cache
-from orthospec.optimise.kept_fields import KeptFields
+from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Workers, in_order
@@ -63,13 +62,13 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
     """Measure a design; a measure that fails is left out and named."""
     setting = replace(space.setting, divisions=one.divisions)
     prescribed = None if one.prescribed is None else dict(one.prescribed)
-    kept = _kept(space, one)
+    blocks = Slabs(space, one.values)
     faults: list[PluginError] = []
     try:
         machine = machine_of(space.spec.design(dict(zip(space.spec.variables, one.values, strict=True))))
         while True:
             try:
-                evaluation = evaluate(machine, setting, prescribed, progress, kept)
+                evaluation = evaluate(machine, setting, prescribed, progress, blocks)
             except PluginFault as fault:
                 others = {name: d for name, d in machine.demands.items() if d.place != fault.place}
                 if len(others) == len(machine.demands):
@@ -78,18 +77,10 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
                 machine = replace(machine, demands=others)
                 continue
             return Appraisal(evaluation, tuple(faults))
+    except WorkersLost:
+        raise
     except OrthospecError as error:
         return Appraisal(None, tuple(faults), error)
-
-
-def _kept(space: DesignSpace, one: Asked) -> KeptFields | None:
-    """What is kept of a design's fields; none where the machine has no such folder to write in."""
-    if space.folder is None or not space.folder.is_dir():
-        return None
-    try:
-        return KeptFields(Cache(space.folder), space, one.values)
-    except UsageError:
-        return None
 
 
 def error_of(fault: PluginFault) -> PluginError:
@@ -103,7 +94,7 @@ def _lasting(found: Appraisal) -> bool:
 
 
 _PARTS = (Appraisal, Evaluation, Measured, Largest, Prescribed, Value, Cuboid, Level)
-APPRAISE = Task("measuring the design", appraise, machine_and_measures, _PARTS, _lasting)
+APPRAISE = Task("measuring the design", appraise, machine_and_measures, _PARTS, _lasting, divides=True)
 SWEEP = replace(APPRAISE, name="sweep")
 FRONT = replace(APPRAISE, name="measuring the Pareto set")
 

@@ -17,19 +17,21 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from orthospec.errors import UsageError
 from orthospec.optimise.plain import decode, encode
-from orthospec.optimise.space import DesignSpace
-from orthospec.optimise.tasks import Given, Made, Task
 from orthospec.optimise.versions import fingerprint
-from orthospec.optimise.workers import Workers
-from orthospec.workspace.field import Progress
+
+if TYPE_CHECKING:
+    from orthospec.optimise.space import DesignSpace
+    from orthospec.optimise.tasks import Given, Made, Task
+    from orthospec.optimise.workers import Workers
+    from orthospec.workspace.field import Progress
 
 MOST_BYTES = 1 << 30
 """Of all files; those unused for longest go first."""
-OURS = re.compile(r"[0-9a-f]{64}\.(json|npz)|\.orthospec-[0-9a-f]{16}")
+OURS = re.compile(r"[0-9a-f]{64}\.(json|field)|\.orthospec-[0-9a-f]{16}")
 """Names of files that may be removed: the folder may be anyone's, by mistake."""
 
 
@@ -39,6 +41,10 @@ class Cache:
     def __init__(self, folder: Path) -> None:
         """Raises UsageError where nothing can be kept in the folder."""
         self.folder = folder
+        self.asked = 0
+        """How many results were asked for so far."""
+        self.known = 0
+        """How many of them were kept from before."""
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=folder):
@@ -46,6 +52,11 @@ class Cache:
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             raise UsageError(f"{folder}: results cannot be kept there: {reason}") from None
+
+    def count(self, asked: int, left: int) -> None:
+        """So many results were asked for, and so many of them are left to be made."""
+        self.asked += asked
+        self.known += asked - left
 
     def read(self, key: str) -> Any:
         """What is kept under a name, as JSON; None where nothing sound is."""
@@ -78,12 +89,15 @@ class Cache:
         finally:
             fresh.unlink(missing_ok=True)
 
-    def trim(self, most: int = MOST_BYTES) -> None:
-        """Remove what was unused for longest, until no more than so many bytes are left; no other's files."""
+    def trim(self, most: int = MOST_BYTES, kind: str = "") -> None:
+        """Remove what was unused for longest, until no more than so many bytes are left; no other's files.
+
+        With a kind only files of that kind are counted, and removed.
+        """
         found = []
         for path in self.folder.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(OSError):
-                if OURS.fullmatch(path.name):
+                if OURS.fullmatch(path.name) and path.name.endswith(kind):
                     found.append((path.stat().st_mtime, path.stat().st_size, path))
         total = sum(size for _, size, _ in found)
         for _, size, path in sorted(found):
@@ -103,10 +117,16 @@ class Remembering:
 
     def __init__(self, workers: Workers, cache: Cache) -> None:
         self._workers, self._cache = workers, cache
-        self.asked = 0
-        """How many results were asked for so far."""
-        self.known = 0
+
+    @property
+    def asked(self) -> int:
+        """How many results were asked for so far; the slabs of a large field count as well."""
+        return self._cache.asked
+
+    @property
+    def known(self) -> int:
         """How many of them were kept from before."""
+        return self._cache.known
 
     def each(
         self,
@@ -116,17 +136,19 @@ class Remembering:
         progress: Progress | None = None,
     ) -> Iterator[tuple[int, Made]]:
         """Each item's number and what was made of it: first what is known, then the rest when it is done."""
-        keys, space = _keys(task, space, items), space.kept_in(self._cache.folder)
-        left = []
-        self.asked += len(items)
+        space = space.kept_in(self._cache)
+        if task.keeps_parts:
+            yield from self._workers.each(task, space, items, progress)
+            return
+        keys, left = _keys(task, space, items), []
         for number, key in enumerate(keys):
             try:
                 made = decode(self._cache.read(key)["made"], task.makes)
             except (TypeError, KeyError, ValueError):
                 left.append(number)
                 continue
-            self.known += 1
             yield number, made
+        self._cache.count(len(items), len(left))
         for k, made in self._workers.each(task, space, [items[number] for number in left], progress):
             if task.lasting(made):
                 self._cache.write(keys[left[k]], {"made": encode(made)})
@@ -158,6 +180,16 @@ def remembering(workers: Workers, folder: Path | None = None) -> Iterator[Rememb
             yield Remembering(workers, cache)
         finally:
             cache.trim()
+
+
+def cache_there(folder: Path) -> Cache | None:
+    """A cache in another's folder; None where this machine has none such, or none to write in."""
+    if not folder.is_dir():
+        return None
+    try:
+        return Cache(folder)
+    except UsageError:
+        return None
 
 
 def _users_or(other: Path) -> Cache:

@@ -22,13 +22,14 @@ from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.pareto import find_front
-from orthospec.optimise.space import DesignSpace, setting_of
+from orthospec.optimise.slabs import Slabs
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
 from orthospec.workspace.evaluate import Evaluation
 from orthospec.workspace.field import fields
-from orthospec.workspace.grid import make_grid
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
@@ -144,11 +145,25 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
 
 
-def fields_of(spec: Spec, design: Design) -> dict[str, Array]:
+def fields_of(
+    spec: Spec, design: Design, *, progress: Progress | None = None, workers: Workers | None = None
+) -> dict[str, Array]:
     """The measures' values on the spec's grid at a design, with the nodes' coordinates by axis."""
-    setting = setting_of(spec)
-    grid = make_grid(design.manipulator, setting.size, setting.divisions, setting.region)
-    return fields(design.manipulator, design.demands, grid)
+    one = tuple(design.values.values())
+    (found,) = in_order(workers or Here(), FIELDS, DesignSpace(spec), [one], progress)
+    return found
+
+
+def _fields(
+    space: DesignSpace, values: tuple[float, ...], progress: Progress | None = None
+) -> dict[str, Array]:
+    design = space.spec.design(dict(zip(space.spec.variables, values, strict=True)))
+    slabs = Slabs(space, values)
+    grid = slabs.grid(design.manipulator)
+    return fields(design.manipulator, design.demands, grid, progress, slabs)
+
+
+FIELDS = Task("grid", _fields, machine_and_measures, keeps_parts=True, divides=True)
 
 
 def _status(

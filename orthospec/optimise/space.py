@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orthospec.optimise.cache import Cache, cache_there
 from orthospec.spec import Design, Spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting
@@ -17,6 +18,7 @@ from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
+    from orthospec.optimise.workers import Workers
 
 REMEMBERED = 64
 """Designs kept: difference quotients and the rows of a goal ask for the same ones again."""
@@ -30,10 +32,12 @@ class DesignSpace:
     It is what every task is handed: a worker process unpacks the space of a spec once, and keeps it.
     """
 
-    def __init__(self, spec: Spec, folder: Path | None = None) -> None:
+    def __init__(self, spec: Spec, cache: Cache | None = None, helpers: Workers | None = None) -> None:
         self.spec, self.setting = spec, setting_of(spec)
-        self.folder = folder
-        """Where fields may be kept, on a machine that has it."""
+        self.cache = cache
+        """Where fields are kept."""
+        self.helpers = helpers
+        """Who does parts of a task that is done in this process."""
         varying = {name: v for name, v in spec.variables.items() if not v.choices and v.min < v.max}
         self.names = tuple(varying)
         self.low = np.array([v.min for v in varying.values()], dtype=float)
@@ -41,16 +45,20 @@ class DesignSpace:
         self._remembered = lru_cache(REMEMBERED)(self._build)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickled as its spec alone, which stands without any file."""
-        return _unpacked, (self._packed, self.folder)
+        """Pickled as its spec, which stands without any file, and its folder; helpers stay where they are."""
+        return _unpacked, (self._packed, None if self.cache is None else self.cache.folder)
 
     @cached_property
     def _packed(self) -> bytes:
         return pickle.dumps(self.spec)
 
-    def kept_in(self, folder: Path) -> DesignSpace:
-        """The same space, its fields kept in a folder."""
-        return DesignSpace(self.spec, folder)
+    def kept_in(self, cache: Cache) -> DesignSpace:
+        """The same space, its fields kept."""
+        return DesignSpace(self.spec, cache, self.helpers)
+
+    def helped_by(self, helpers: Workers) -> DesignSpace:
+        """The same space, for a task that shares out its parts."""
+        return DesignSpace(self.spec, self.cache, helpers)
 
     def values(self, z: Array) -> dict[str, float]:
         """All variables' values, exact at both ends of their ranges; a catalogue's is its start."""
@@ -76,7 +84,7 @@ class DesignSpace:
 
 @lru_cache(maxsize=4)
 def _unpacked(packed: bytes, folder: Path | None) -> DesignSpace:
-    return DesignSpace(pickle.loads(packed), folder)
+    return DesignSpace(pickle.loads(packed), None if folder is None else cache_there(folder))
 
 
 def machine_of(design: Design) -> Machine:

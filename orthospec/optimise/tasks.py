@@ -35,6 +35,10 @@ class Task(Generic[Given, Made]):
     """The frozen dataclasses in what is made."""
     lasting: Callable[[Made], bool] = _always
     """Whether what was made may be kept: not what tells of places in this very file."""
+    keeps_parts: bool = False
+    """Whether it is not kept as a whole, but the work keeps parts of it."""
+    divides: bool = False
+    """Whether the work shares out parts of itself where it is done in this process: a single one is then."""
 
 
 class Stopped(KeyboardInterrupt):

@@ -15,8 +15,8 @@ from types import ModuleType
 
 from orthospec.spec import Spec
 
-LIBRARIES = ("numpy", "scipy", "clarabel", "cvxpy")
-"""What results depend on beside orthospec and plugins."""
+LIBRARIES = ("orthospec", "numpy", "scipy", "clarabel", "cvxpy")
+"""What results depend on beside plugins; a release of orthospec may differ in its compiled kernels alone."""
 _CODE = frozenset({".py", ".c", ".h"})
 """What is compiled is told by its source where that is at hand: its own bytes depend on the compiler."""
 

@@ -1,4 +1,4 @@
-"""What moved bounds would do to the cuboids of one design, on the grid: the measures are computed once.
+"""What moved bounds would do to the cuboids of one design, on the grid, where its measures are kept.
 
 With the values at the nodes in hand a bound is a comparison, and the largest cube of indices a recursion.
 """
@@ -7,22 +7,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from functools import reduce
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from orthospec.errors import UsageError
 from orthospec.measures import Demand
-from orthospec.measures.demand import bounded_side
-from orthospec.optimise.space import setting_of
+from orthospec.optimise.slabs import Slabs
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Task, machine_and_measures
+from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.quantities.fields import resolve
 from orthospec.spec import Design, Spec
-from orthospec.workspace.cuboid import edge_lengths, largest
-from orthospec.workspace.field import fields
-from orthospec.workspace.grid import Grid, make_grid
+from orthospec.workspace.cuboid import edge_lengths
+from orthospec.workspace.field import Block, failed
+from orthospec.workspace.grid import Grid
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array
+    from numpy.typing import NDArray
+
+    from orthospec.workspace.field import Progress
+
+_Key: TypeAlias = tuple[object, ...]
+_Masks: TypeAlias = "dict[_Key, NDArray[np.bool_]]"
 
 
 @dataclass(frozen=True)
@@ -61,9 +69,9 @@ class Known:
     spec: Spec
     design: Design
     grid: Grid
-    values: Mapping[str, Array]
-    """Flat, (nodes,) or (nodes, 2), NaN out of reach; a measure that is in reach nowhere has none."""
-    scales: dict[tuple[object, ...], float] = field(default_factory=dict)
+    blocks: tuple[Block, ...]
+    """Each measure at each node once."""
+    scales: dict[tuple[_Key, ...], float] = field(default_factory=dict)
 
     def answer(self, moves: Sequence[Moved]) -> Answer:
         """The cuboids before and after."""
@@ -73,47 +81,62 @@ class Known:
             here = after[move.measure]
             after[move.measure] = replace(here, bounds={**here.bounds, move.side: move.after})
         names = dict.fromkeys(move.measure for move in moves)
-        alone = {name: self._change([before[name]], [after[name]]) for name in names}
+        masks: _Masks = {}
+        alone = {name: self._change([before[name]], [after[name]], masks) for name in names}
         together = self.spec.workspace.together
-        joint = self._change(list(before.values()), list(after.values())) if together else None
+        joint = self._change(list(before.values()), list(after.values()), masks) if together else None
         return Answer(tuple(moves), joint, alone)
 
-    def _change(self, before: Sequence[Demand], after: Sequence[Demand]) -> Change:
-        return Change(self._scale(before), self._scale(after))
+    def _change(self, before: Sequence[Demand], after: Sequence[Demand], masks: _Masks) -> Change:
+        return Change(self._scale(before, masks), self._scale(after, masks))
 
-    def _scale(self, demands: Sequence[Demand]) -> float:
-        """The grid's metric where all demands are met."""
-        key = tuple((demand.name, *sorted(demand.bounds.items())) for demand in demands)
-        if key not in self.scales:
-            self.scales[key] = self._measured(demands)
-        return self.scales[key]
+    def _scale(self, demands: Sequence[Demand], masks: _Masks) -> float:
+        """The grid's metric where all demands are met; ``masks`` has what each comes to, once found."""
+        keys = tuple((demand.name, *sorted(demand.bounds.items())) for demand in demands)
+        if keys not in self.scales:
+            for key, demand in zip(keys, demands, strict=True):
+                if key not in masks:
+                    masks[key] = self._met(demand)
+            met = reduce(np.logical_and, [masks[key] for key in keys])
+            edge = int(edge_lengths(met.reshape(self.grid.shape)).max(initial=0))
+            self.scales[keys] = max(edge - 1, 0) / self.spec.workspace.divisions
+        return self.scales[keys]
 
-    def _measured(self, demands: Sequence[Demand]) -> float:
-        met = np.ones(self.grid.nodes, dtype=bool)
-        for demand in demands:
-            values = self.values.get(demand.name)
-            if values is None:
-                return 0.0
-            # A bound is not met where there is no value; without one the value itself must be looked at.
-            met &= demand.meets(values) if demand.bounds else ~np.isnan(bounded_side(values, "at_most"))
-        best = largest(edge_lengths(met.reshape(self.grid.shape)))
-        return 0.0 if best is None else best.steps / self.spec.workspace.divisions
+    def _met(self, demand: Demand) -> NDArray[np.bool_]:
+        """Whether each node meets a demand, (nodes,)."""
+        met = np.zeros(self.grid.nodes, dtype=bool)
+        for block in self.blocks:
+            if demand.name in block.values:
+                values = block.values[demand.name]
+                met[block.nodes][block.reachable] = demand.meets(values) & ~failed(values)
+        return met
 
 
-def know(spec: Spec, values: Mapping[str, float]) -> Known:
-    """Compute the measures of a design on the spec's grid."""
-    design, setting = spec.design(values), setting_of(spec)
-    grid = make_grid(design.manipulator, setting.size, setting.divisions, setting.region)
-    found = fields(design.manipulator, design.demands, grid)
-    axes = len(grid.shape)
-    flat = {
-        demand.name: np.asfortranarray(
-            found[demand.name].reshape(grid.nodes, *found[demand.name].shape[axes:])
-        )
-        for demand in design.demands
-        if demand.name in found
-    }
-    return Known(spec, design, grid, flat)
+def know(
+    spec: Spec,
+    values: Mapping[str, float],
+    *,
+    progress: Progress | None = None,
+    workers: Workers | None = None,
+) -> Known:
+    """The measures of a design on the spec's grid: as they are kept, else computed."""
+    space, design = DesignSpace(spec), spec.design(values)
+    one = tuple(design.values.values())
+    ((grid, blocks),) = in_order(workers or Here(), FIELD, space, [one], progress)
+    return Known(spec, design, grid, blocks)
+
+
+def _field(
+    space: DesignSpace, values: tuple[float, ...], progress: Progress | None = None
+) -> tuple[Grid, tuple[Block, ...]]:
+    """The grid of a design, and all its measures there."""
+    design = space.spec.design(dict(zip(space.spec.variables, values, strict=True)))
+    slabs = Slabs(space, values)
+    grid = slabs.grid(design.manipulator)
+    return grid, tuple(slabs(design.manipulator, design.demands, grid, progress))
+
+
+FIELD = Task("grid", _field, machine_and_measures, keeps_parts=True, divides=True)
 
 
 def read_moves(spec: Spec, values: Mapping[str, float], texts: Sequence[str]) -> tuple[Moved, ...]:

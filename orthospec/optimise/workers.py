@@ -78,12 +78,15 @@ class Processes:
         task: Task[Given, Made],
         space: DesignSpace,
         items: Sequence[Given],
-        progress: Progress | None = None,  # noqa: ARG002  # work in another process is out of earshot
+        progress: Progress | None = None,
     ) -> Iterator[tuple[int, Made]]:
         """Each item's number and what was made of it, as they are completed.
 
         Where a worker dies, new ones do what is left.
         """
+        if task.divides and len(items) == 1:
+            yield 0, task.work(space.helped_by(self), items[0], progress)
+            return
         left = dict(enumerate(items))
         for _ in range(ATTEMPTS):
             try:
@@ -148,6 +151,9 @@ class Cluster:
         progress: Progress | None = None,
     ) -> Iterator[tuple[int, Made]]:
         """Each item's number and what was made of it, as they are completed."""
+        if task.divides and len(items) == 1:
+            yield 0, task.work(space.helped_by(self), items[0], progress)
+            return
         if progress is not None and not self._client.scheduler_info()["workers"]:
             progress("waiting for a worker of the cluster", 0, 0)
         from distributed import KilledWorker
@@ -204,12 +210,13 @@ def _completed(
     with _ctrl_c_waiting():
         futures = {executor.submit(work, space, item, None): number for number, item in items.items()}
     try:
-        for future in as_completed(futures):
+        for future in as_completed(list(futures)):
             if future.exception() is not None:
                 earlier = [other for other, number in futures.items() if number < futures[future]]
                 for other in [*sorted(wait(earlier).done, key=futures.__getitem__), future]:
                     other.result()
-            yield futures[future], future.result()
+            # Forgotten here as well: all results of a large field together may not fit in memory.
+            yield futures.pop(future), future.result()
     finally:
         for future in futures:
             future.cancel()

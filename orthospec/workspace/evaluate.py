@@ -15,11 +15,12 @@ from orthospec.workspace.conditions import Condition, Extreme, Sample, condition
 from orthospec.workspace.critical import find_peaks, highest_peaks
 from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
 from orthospec.workspace.field import (
+    Blocks,
     Failure,
-    KeptValues,
     Progress,
     State,
     measured,
+    measured_blocks,
     node_states,
     reach_alone,
     together,
@@ -122,19 +123,19 @@ def evaluate(
     setting: Setting,
     prescribed: Mapping[str, Cuboid] | None = None,
     progress: Progress | None = None,
-    kept: KeptValues | None = None,
+    blocks: Blocks = measured_blocks,
 ) -> Evaluation:
     """Measure one design.
 
     ``prescribed`` gives the places of the prescribed cuboids, by measure, and "" for the joint one; where it
-    is left out each stands centred on its largest cuboid. ``kept`` has values on the grid from before.
+    is left out each stands centred on its largest cuboid. ``blocks`` gives the values on the grid.
     """
     demands = list(machine.demands.values())
     bounded = [demand for demand in demands if demand.bounds]
     levels = [(demand, level) for demand in demands for level in demand.levels]
     grid = make_grid(machine.manipulator, setting.size, setting.divisions, setting.region)
     asked = [*bounded, *(demand.at(level) for demand, level in levels)]
-    states, failures = node_states(machine.manipulator, asked, grid, progress, kept)
+    states, failures = node_states(machine.manipulator, asked, grid, progress, blocks)
     look = _Search(machine, setting, grid)
     own = {d.name: look.largest([d], state) for d, state in zip(bounded, states, strict=False)}
     nested = [
@@ -173,9 +174,8 @@ class _Search:
         """The largest cuboid of one mask, polished from each cluster of the grid's best placements."""
         edges = edge_lengths(states == State.MEETS)
         best = largest(edges)
-        counts = np.bincount(states.ravel(), minlength=len(State))
-        nodes = {state.name.lower(): int(counts[state]) for state in (State.MEETS, State.VIOLATES)}
-        nodes |= {state.name.lower(): int(counts[state]) for state in (State.UNREACHABLE, State.FAILED)}
+        order = (State.MEETS, State.VIOLATES, State.UNREACHABLE, State.FAILED)
+        nodes = {state.name.lower(): int(np.count_nonzero(states == state)) for state in order}
         if best is None:
             return Largest(0.0, 0.0, 0, None, nodes)
         starts = [self.grid.cuboid(placement) for placement in [best, *clusters(edges)[1:STARTS]]]

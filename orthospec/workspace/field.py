@@ -7,10 +7,10 @@ cuboid, and a failed node is never silent: one at the isotropic pose shrinks the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 BLOCK = 1 << 15
 """Poses to a block: bounded memory whatever the grid."""
 
-MOST_KEPT = 1 << 22
-"""Values on grids of more nodes are not kept: they would fill memory and disk."""
-
 Progress = Callable[[str, int, int], None]
 """Told what is being done, how much is done, and of how much."""
 
@@ -43,14 +40,20 @@ class State(IntEnum):
     FAILED = 3
 
 
-class KeptValues(Protocol):
-    """Values of measures on grids, kept from an earlier time: they do not depend on the bounds."""
+@dataclass(frozen=True)
+class Block:
+    """Some measures at consecutive nodes of a grid, in C order from the node ``start``."""
 
-    def read(self, measure: str, grid: Grid) -> Array | None:
-        """The measure's values at the reachable nodes, in their order; None where they are not kept."""
+    start: int
+    reachable: NDArray[np.bool_]
+    """Of each of its nodes."""
+    values: Mapping[str, Array]
+    """At the reachable nodes alone, by the measure's name: (r,) or (r, 2)."""
 
-    def write(self, measure: str, grid: Grid, values: Array) -> None:
-        """Keep them."""
+    @property
+    def nodes(self) -> slice:
+        """Where its nodes stand in a flat array of all of them."""
+        return slice(self.start, self.start + len(self.reachable))
 
 
 @dataclass(frozen=True)
@@ -89,45 +92,32 @@ def _title(demand: Demand) -> str:
     return f"{type(demand.measure).__name__} (measure {demand.name})"
 
 
-def _reachable_blocks(
-    manipulator: Manipulator, grid: Grid, progress: Progress | None
-) -> Iterator[tuple[NDArray[np.intp], Poses]]:
-    """Block by block, the numbers of the reachable nodes and their poses, read-only; no empty block."""
-    for start in range(0, grid.nodes, BLOCK):
-        poses = grid.poses(start, start + BLOCK)
-        reachable = manipulator.inverse_kinematics(poses)[1]
+def measured_blocks(
+    manipulator: Manipulator,
+    demands: Sequence[Demand],
+    grid: Grid,
+    progress: Progress | None = None,
+    start: int = 0,
+    stop: int | None = None,
+) -> Iterator[Block]:
+    """The measures at the nodes start ... stop − 1, computed here block after block."""
+    stop = grid.nodes if stop is None else stop
+    for first in range(start, stop, BLOCK):
+        poses = grid.poses(first, min(first + BLOCK, stop))
+        reachable = np.asarray(manipulator.inverse_kinematics(poses)[1])
         if progress is not None:
-            progress("grid", start + len(poses), grid.nodes)
+            progress("grid", first + len(poses), grid.nodes)
         inside = poses[reachable]
         inside.flags.writeable = False
-        if len(inside):
-            yield start + np.flatnonzero(reachable), inside
+        values = {d.name: measured(d, manipulator, inside) if len(inside) else np.empty(0) for d in demands}
+        yield Block(first, reachable, values)
 
 
-class _Values:
-    """A measure's values block by block: those that are kept, or measured now and then kept."""
+Blocks = Callable[[Manipulator, Sequence[Demand], Grid, Progress | None], Iterator[Block]]
+"""Who gives a field: each measure at each node once, in blocks of any size and order.
 
-    def __init__(self, demand: Demand, grid: Grid, kept: KeptValues | None) -> None:
-        self._demand, self._grid = demand, grid
-        self._kept = kept if grid.nodes <= MOST_KEPT else None
-        self._known = self._kept.read(demand.name, grid) if self._kept else None
-        self._new: list[Array] = []
-        self._done = 0
-
-    def at(self, manipulator: Manipulator, poses: Poses) -> Array:
-        """The values at the next reachable poses."""
-        if self._known is not None:
-            self._done += len(poses)
-            return self._known[self._done - len(poses) : self._done]
-        values = measured(self._demand, manipulator, poses)
-        if self._kept:
-            self._new.append(values)
-        return values
-
-    def keep(self) -> None:
-        """All blocks have been asked for."""
-        if self._kept and self._new:
-            self._kept.write(self._demand.name, self._grid, np.concatenate(self._new))
+Without demands the blocks tell the reach.
+"""
 
 
 def node_states(
@@ -135,7 +125,7 @@ def node_states(
     demands: Sequence[Demand],
     grid: Grid,
     progress: Progress | None = None,
-    kept: KeptValues | None = None,
+    blocks: Blocks = measured_blocks,
 ) -> tuple[list[NDArray[np.uint8]], list[Failure]]:
     """The state of each node under each demand alone, shaped as the grid; and the first failure of each.
 
@@ -143,42 +133,59 @@ def node_states(
     their values: levels, and bounds apart from each other.
     """
     states = [np.zeros(grid.nodes, dtype=np.uint8) for _ in demands or (None,)]
-    owners = [next(i for i, other in enumerate(demands) if other.measure == d.measure) for d in demands]
-    sources = {owner: _Values(demands[owner], grid, kept) for owner in owners}
-    failures: dict[str, Failure] = {}
-    for nodes, inside in _reachable_blocks(manipulator, grid, progress):
-        values = {owner: source.at(manipulator, inside) for owner, source in sources.items()}
+    owners = [next(other for other in demands if other.measure == d.measure) for d in demands]
+    distinct = {owner.name: owner for owner in owners}
+    failed_at: dict[str, int] = {}
+    for block in blocks(manipulator, list(distinct.values()), grid, progress):
         for state, owner, demand in zip(states, owners, demands, strict=False):
-            found = values[owner]
-            failed = np.isnan(found).any(axis=tuple(range(1, found.ndim)))
-            met = np.where(demand.meets(found), State.MEETS, State.VIOLATES)
-            state[nodes] = np.where(failed, State.FAILED, met)
-            if failed.any() and demand.name not in failures:
-                pose = tuple(map(float, inside[int(np.argmax(failed))]))
-                failures[demand.name] = Failure(demand.name, pose, demand.place)
+            if owner.name not in block.values:
+                continue
+            values = block.values[owner.name]
+            fails = failed(values)
+            met = np.where(demand.meets(values), State.MEETS, State.VIOLATES)
+            state[block.nodes][block.reachable] = np.where(fails, State.FAILED, met)
+            if fails.any():
+                node = block.start + int(np.flatnonzero(block.reachable)[np.argmax(fails)])
+                failed_at[demand.name] = min(node, failed_at.get(demand.name, node))
         if not demands:
-            states[0][nodes] = State.MEETS
-    for source in sources.values():
-        source.keep()
-    return [state.reshape(grid.shape) for state in states], list(failures.values())
+            states[0][block.nodes][block.reachable] = State.MEETS
+    places = {demand.name: demand.place for demand in demands}
+    failures = [
+        Failure(name, tuple(map(float, grid.poses(failed_at[name], failed_at[name] + 1)[0])), place)
+        for name, place in places.items()
+        if name in failed_at
+    ]
+    return [state.reshape(grid.shape) for state in states], failures
 
 
-def fields(manipulator: Manipulator, demands: Sequence[Demand], grid: Grid) -> dict[str, Array]:
+def failed(values: Array) -> NDArray[np.bool_]:
+    """Where a measure gave no value at a reachable pose, or not both, (n,)."""
+    missing = np.isnan(values)
+    # By columns: a reduction along rows of two takes thirty times as long.
+    return missing if missing.ndim == 1 else missing[:, 0] | missing[:, 1]
+
+
+def fields(
+    manipulator: Manipulator,
+    demands: Sequence[Demand],
+    grid: Grid,
+    progress: Progress | None = None,
+    blocks: Blocks = measured_blocks,
+) -> dict[str, Array]:
     """Each measure's values on the grid, shaped as the grid (and 2 for least and greatest); NaN out of reach.
 
-    The coordinates of the nodes along axis x stand under ``axis_x``.
+    The coordinates of the nodes along axis x stand under ``axis_x``. A measure in reach nowhere is left out.
     """
-    found: dict[str, Array] = {f"axis_{manipulator.axes[k]}": grid.axis(k) for k in range(len(grid.shape))}
-    for nodes, inside in _reachable_blocks(manipulator, grid, None):
-        for demand in demands:
-            values = measured(demand, manipulator, inside)
-            if demand.name not in found:
-                found[demand.name] = np.full((grid.nodes, *values.shape[1:]), np.nan)
-            found[demand.name][nodes] = values
-    for demand in demands:
-        if demand.name in found:
-            found[demand.name] = found[demand.name].reshape(*grid.shape, *found[demand.name].shape[1:])
-    return found
+    found: dict[str, Array] = {}
+    for block in blocks(manipulator, demands, grid, progress):
+        for name, values in block.values.items():
+            if name not in found and len(values):
+                found[name] = np.full((grid.nodes, *values.shape[1:]), np.nan)
+            if len(values):
+                found[name][block.nodes][block.reachable] = values
+    axes = {f"axis_{manipulator.axes[k]}": grid.axis(k) for k in range(len(grid.shape))}
+    shaped = {d.name: found[d.name] for d in demands if d.name in found}
+    return axes | {name: all_.reshape(*grid.shape, *all_.shape[1:]) for name, all_ in shaped.items()}
 
 
 def reach_alone(states: NDArray[np.uint8]) -> NDArray[np.uint8]:
