@@ -23,6 +23,7 @@ from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.pareto import find_front
 from orthospec.optimise.space import DesignSpace, setting_of
+from orthospec.optimise.tasks import Stopped
 from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
 from orthospec.spec import Design, Goal, Spec
@@ -115,6 +116,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         evaluation, known = appraised(Here(), space, quick)
     attainment = _attainment(design, evaluation)
     status = "unfinished" if stopped else _status(best, evaluation, attainment, known.faults)
+    infeasible = status == "infeasible"
     limits: tuple[Limit, ...] = ()
     card: Card | None = None
     front: tuple[Finding, ...] = ()
@@ -123,19 +125,20 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     try:
         limits = clock.time("limits", lambda: _limits(space, best, status, doing, progress))
         if best is not None and not best.feasible and status == "infeasible":
-            card = clock.time("card", lambda: _card(space, best, limits, progress))
+            card = clock.time("card", lambda: find_card(space, best.end, limits, doing, progress))
         if spec.pareto is not None and status in ("attained", "compromise"):
             front = clock.time("pareto", lambda: _front(spec, doing, progress))
         if not stopped:
             sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         stopped, status = True, "unfinished"
+        card = stop.made if isinstance(stop, Stopped) and isinstance(stop.made, Card) else card
     search = Search(
         branches.designs,
         branches.solves,
         best.subproblems if best is not None else 0,
         None if best is None or best.feasible else float(best.violation),
-        _conflicts(best, limits) if status == "infeasible" else (),
+        _conflicts(best, limits) if infeasible else (),
         card,
         branches.combinations,
         branches.records(),
@@ -199,12 +202,6 @@ def _limits(
     if status == "infeasible":
         return find_conflicts(space, best)
     return find_limits(space, best, workers, progress)
-
-
-def _card(space: DesignSpace, best: Attained, limits: tuple[Limit, ...], progress: Progress | None) -> Card:
-    if progress is not None:
-        progress("what would have to give way", 0, 0)
-    return find_card(space, best.end, limits)
 
 
 def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, ...]:

@@ -202,8 +202,7 @@ def _card(spec: Spec, card: Card) -> dict[str, Any]:
                 "side": one.side,
                 "place": _portable(spec, one.place),
                 "value": _known(one.value),
-                "needed": _known(one.needed),
-                "by": _known(one.by),
+                **({"needed": _known(one.needed), "by": _known(one.by)} if one.sought else {}),
             }
             for one in card.culprits
         ],

@@ -75,6 +75,8 @@ class Culprit:
     """The nearest value with which a design was found, all else held."""
     by: float | None
     """How far that is: a part of the bound, of the variable's range; None where it alone does not do."""
+    sought: bool = True
+    """Whether that was looked for: not where the run was stopped before."""
 
 
 @dataclass(frozen=True)

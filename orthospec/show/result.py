@@ -176,7 +176,8 @@ class _Writer:
     def _limits(self) -> None:
         if not self.result.limits:
             return
-        conflict = self.result.status == "infeasible"
+        search = self.result.search
+        conflict = self.result.status == "infeasible" or bool(search and search.conflicts)
         self.page.heading("What conflicts" if conflict else "What limits the design")
         for limit in words.together(self.result.limits):
             self.page.sentence(words.limiting(limit, self.known, self.numbers))

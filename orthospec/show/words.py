@@ -173,6 +173,8 @@ def branch(one: BranchRecord) -> str:
 def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[str, str]:
     """A condition of a conflict, and by how much it alone would have to give way."""
     said = limiting(LimitRecord(kind=culprit.kind, name=culprit.name, side=culprit.side), known, numbers)
+    if "by" not in culprit.model_fields_set:
+        return said, "stopped before it was known how far it alone would have to give way"
     if culprit.by is None:
         return said, "loosening it alone does not do"
     whole = {"variable": "of its range", "goal": "of the goal"}.get(culprit.kind, "")
