@@ -6,7 +6,7 @@ and the best go on. What was not searched is told.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -79,7 +79,7 @@ def catalogues(spec: Spec) -> tuple[str, ...]:
 
 def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None) -> Branches:
     """Search each branch; stopped by Ctrl-C it gives back what it has."""
-    choices, combinations = _combinations(spec, workers, progress)
+    choices, combinations = choices_of([spec], workers, progress)
     hunts = []
     for choice in choices:
         space = DesignSpace(spec.chosen(choice))
@@ -89,9 +89,12 @@ def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None
     return Branches(combinations, tuple(hunts))
 
 
-def _combinations(spec: Spec, workers: Workers, progress: Progress | None) -> tuple[list[Choice], int]:
-    """The combinations to search, and how many there are."""
-    lists = {name: spec.variables[name].choices for name in catalogues(spec)}
+def choices_of(
+    specs: Sequence[Spec], workers: Workers, progress: Progress | None = None
+) -> tuple[list[Choice], int]:
+    """The combinations to search, and how many there are; ``specs`` are one problem with various goals."""
+    variables = specs[0].variables
+    lists = {name: variables[name].choices for name in catalogues(specs[0])}
     every: list[Choice] = [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
     if len(every) > MOST_SCREENED:
         raise UsageError(
@@ -99,15 +102,21 @@ def _combinations(spec: Spec, workers: Workers, progress: Progress | None) -> tu
         )
     if len(every) <= MOST:
         return every, len(every)
-    return _screened(spec, every, workers, progress), len(every)
+    return _screened(specs, every, workers, progress), len(every)
 
 
-def _screened(spec: Spec, every: list[Choice], workers: Workers, progress: Progress | None) -> list[Choice]:
-    """The best combinations on the coarse grid, in their own order."""
+def _screened(
+    specs: Sequence[Spec], every: list[Choice], workers: Workers, progress: Progress | None
+) -> list[Choice]:
+    """The best combinations on the coarse grid, in their own order; by turns of each of the specs."""
     choices = [tuple(choice.items()) for choice in every]
-    merits = in_order(workers, SCREEN, DesignSpace(spec), choices, progress)
-    known = sorted((merit, number) for number, merit in enumerate(merits) if merit is not None)
-    kept = sorted(number for _, number in known[:MOST])
+    ranks: dict[int, int] = {}
+    for spec in specs:
+        merits = in_order(workers, SCREEN, DesignSpace(spec), choices, progress)
+        known = sorted((merit, number) for number, merit in enumerate(merits) if merit is not None)
+        for rank, (_, number) in enumerate(known):
+            ranks[number] = min(rank, ranks.get(number, rank))
+    kept = sorted(sorted(ranks, key=lambda number: (ranks[number], number))[:MOST])
     return [every[number] for number in kept] or every[:1]
 
 

@@ -16,16 +16,27 @@ import numpy as np
 from orthospec.errors import PluginFault
 from orthospec.optimise.appraise import FRONT, SWEEP, Asked, appraised, asked, error_of
 from orthospec.optimise.attain import Attained
-from orthospec.optimise.branch import hunt_branches
+from orthospec.optimise.branch import catalogues, hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
+from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.pareto import find_front
 from orthospec.optimise.space import DesignSpace, setting_of
 from orthospec.optimise.tasks import Stopped
 from orthospec.optimise.workers import Here, Workers, in_order
-from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
+from orthospec.result import (
+    Attainment,
+    Card,
+    Finding,
+    FrontSearch,
+    GoalOutcome,
+    Limit,
+    PluginError,
+    Search,
+    Status,
+)
 from orthospec.spec import Design, Goal, Spec
 from orthospec.workspace.evaluate import Evaluation
 from orthospec.workspace.field import fields
@@ -120,6 +131,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     limits: tuple[Limit, ...] = ()
     card: Card | None = None
     front: tuple[Finding, ...] = ()
+    front_search: FrontSearch | None = None
     sweep: tuple[Finding, ...] = ()
     left_out: tuple[PluginError, ...] = ()
     try:
@@ -127,7 +139,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         if best is not None and not best.feasible and status == "infeasible":
             card = clock.time("card", lambda: find_card(space, best.end, limits, doing, progress))
         if spec.pareto is not None and status in ("attained", "compromise"):
-            front = clock.time("pareto", lambda: _front(spec, doing, progress))
+            front, front_search = clock.time("pareto", lambda: _front(spec, doing, progress))
         if not stopped:
             sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
     except KeyboardInterrupt as stop:
@@ -142,6 +154,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         card,
         branches.combinations,
         branches.records(),
+        front_search if catalogues(spec) else None,
     )
     errors = (*known.errors, *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)
@@ -223,29 +236,30 @@ def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, .
     return tuple(found)
 
 
-def _front(spec: Spec, workers: Workers, progress: Progress | None) -> tuple[Finding, ...]:
+def _front(
+    spec: Spec, workers: Workers, progress: Progress | None
+) -> tuple[tuple[Finding, ...], FrontSearch]:
     """The Pareto set, each point as a finding; prices are parts of the goals' ranges over the set."""
-    points = find_front(spec, workers, progress)
-    whole = DesignSpace(spec)
-    ends = [point.met.attained.end for point in points]
-    designs = [whole.design(end.design) for end in ends]
+    front = find_front(spec, workers, progress)
+    ends = [(point.space, point.met.attained.end) for point in front.points]
+    designs = [space.design(end.design) for space, end in ends]
     asks = [
-        asked(design, spec.workspace.divisions, end.cuboids(whole))
-        for design, end in zip(designs, ends, strict=True)
+        asked(design, spec.workspace.divisions, end.cuboids(space))
+        for design, (space, end) in zip(designs, ends, strict=True)
     ]
-    soft = {plan.name for plan in spec.goals if plan.is_soft}
+    soft = set(soft_goals(spec))
+    measured = in_order(workers, FRONT, DesignSpace(spec), asks, progress)
     found = []
-    for point, design, known in zip(
-        points, designs, in_order(workers, FRONT, whole, asks, progress), strict=True
-    ):
+    for point, values, known in zip(front.points, (one.values for one in designs), measured, strict=True):
         if known.error is not None or known.evaluation is None:
             continue
-        limits = find_limits(point.space(spec), point.met.attained, workers, progress)
+        design = spec.design(values)
+        limits = find_limits(point.space, point.met.attained, workers, progress)
         kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
         attainment = _attainment(design, known.evaluation)
         status = _status(point.met.attained, known.evaluation, attainment, known.faults)
         found.append(Finding(status, design, known.evaluation, attainment, kept, is_knee=point.is_knee))
-    return tuple(found)
+    return tuple(found), front.search
 
 
 def _sweep(

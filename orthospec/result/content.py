@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -180,6 +181,7 @@ def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
             card=None if search.card is None else _card(spec, search.card),
             combinations=search.combinations if search.branches else None,
             branches=[_branch(branch) for branch in search.branches],
+            pareto=None if search.front is None else asdict(search.front),
         ),
     }
 

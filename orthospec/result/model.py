@@ -159,6 +159,17 @@ class BranchRecord(_Record):
     least_violation: float | None = None
 
 
+class FrontSearchRecord(_Record):
+    """What was searched for a Pareto set over catalogues."""
+
+    branches: int
+    """Combinations of choices that were searched for each goal alone."""
+    met: int
+    """Points met, of all branches together."""
+    left_out: int
+    """Points of branches that were not sought: another branch is better there, whatever they come to."""
+
+
 class SearchRecord(_Record):
     """What was searched."""
 
@@ -171,6 +182,7 @@ class SearchRecord(_Record):
     combinations: int | None = None
     """Of the catalogues' choices, searched or not."""
     branches: list[BranchRecord] = []
+    pareto: FrontSearchRecord | None = None
 
 
 class ErrorRecord(_Record):

@@ -93,6 +93,18 @@ class Card:
 
 
 @dataclass(frozen=True)
+class FrontSearch:
+    """What was searched for a Pareto set."""
+
+    branches: int
+    """Combinations of choices that were searched for each goal alone."""
+    met: int
+    """Points met, of all branches together."""
+    left_out: int
+    """Points of branches that were not sought: another branch is better there, whatever they come to."""
+
+
+@dataclass(frozen=True)
 class Search:
     """What was searched; nothing here depends on the machine's load."""
 
@@ -112,6 +124,8 @@ class Search:
     """Of the catalogues' choices."""
     branches: tuple[Branch, ...] = ()
     """Those that were searched; none where the spec has no catalogue."""
+    front: FrontSearch | None = None
+    """For a Pareto set, where the spec has catalogues."""
 
 
 @dataclass(frozen=True)

@@ -212,6 +212,9 @@ class _Writer:
         if not front:
             return
         self.page.heading(f"Pareto set: {len(front)} design{'' if len(front) == 1 else 's'}")
+        search = self.result.search
+        if search is not None and search.pareto is not None:
+            self.page.sentence(words.searched_for_front(search.pareto))
         soft = [
             n for n, goal in (front[0].attainment.goals if front[0].attainment else {}).items() if goal.weight
         ]

@@ -10,6 +10,7 @@ from orthospec.result.model import (
     CardRecord,
     CulpritRecord,
     DesignRecord,
+    FrontSearchRecord,
     LimitRecord,
     SearchRecord,
 )
@@ -52,6 +53,15 @@ def searched(search: SearchRecord) -> str:
         f"Searched: {designs} on a coarse grid, {solves}. The best point found misses its bounds by {worst}; "
         "it is what follows."
     )
+
+
+def searched_for_front(search: FrontSearchRecord) -> str:
+    """What was searched for a Pareto set over catalogues."""
+    few = f"{search.branches} combination{'' if search.branches == 1 else 's'}"
+    beaten = (
+        f"; {search.left_out} more cannot be better than another combination's" if search.left_out else ""
+    )
+    return f"The best of {few}, which met {search.met} points{beaten}."
 
 
 def holds(one: DesignRecord) -> bool:
