@@ -7,8 +7,9 @@ and the best go on. What was not searched is told.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
+from math import inf
 from typing import Any
 
 from orthospec.errors import UsageError
@@ -68,8 +69,14 @@ class Branches:
         return [entry for space, found in self.hunts for entry in found.history(space)]
 
     def records(self) -> tuple[Branch, ...]:
-        """Each branch with the best that was found in it; none where there is no catalogue."""
-        return tuple(_record(space, found.best) for space, found in self.hunts if catalogues(space.spec))
+        """Each branch with what was found in it, the best first; none where there is no catalogue."""
+        space, found = self.best
+        if not catalogues(space.spec):
+            return ()
+        taken = _record(space, found.best)
+        others = [_record(other, hunt.best) for other, hunt in self.hunts if other is not space]
+        every = (taken, *sorted(others, key=_order))
+        return tuple(replace(one, cost=_cost(one, taken)) for one in every)
 
 
 def catalogues(spec: Spec) -> tuple[str, ...]:
@@ -134,6 +141,16 @@ def _start_on_grid(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 SCREEN = Task("screening the catalogues", start_merit, _start_on_grid)
+
+
+def _order(one: Branch) -> tuple[bool, float]:
+    """The least λ first, then the least violation; to eight digits, so that rounding does not decide."""
+    merit = one.factor if one.found else one.least_violation
+    return not one.found, inf if merit is None and not one.found else float(f"{merit or 0.0:.8g}")
+
+
+def _cost(one: Branch, taken: Branch) -> float | None:
+    return None if one.factor is None or taken.factor is None else one.factor - taken.factor
 
 
 def _record(space: DesignSpace, best: Attained | None) -> Branch:

@@ -191,7 +191,7 @@ def _branch(branch: Branch) -> dict[str, Any]:
         "choices": _by_name(branch.choices),
         "found": branch.found,
         "factor": _known(branch.factor),
-        **_given(least_violation=_known(branch.least_violation)),
+        **_given(cost=_known(branch.cost), least_violation=_known(branch.least_violation)),
     }
 
 

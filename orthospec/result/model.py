@@ -156,6 +156,8 @@ class BranchRecord(_Record):
     """Whether a design was found in which every bound holds."""
     factor: float | None = None
     """Its λ; null where there is none."""
+    cost: float | None = None
+    """By how much λ rises with it instead of the best one."""
     least_violation: float | None = None
 
 
@@ -182,6 +184,7 @@ class SearchRecord(_Record):
     combinations: int | None = None
     """Of the catalogues' choices, searched or not."""
     branches: list[BranchRecord] = []
+    """Those that were searched, the best first."""
     pareto: FrontSearchRecord | None = None
 
 

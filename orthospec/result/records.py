@@ -58,6 +58,8 @@ class Branch:
     """Its λ; None where there is none."""
     least_violation: float | None
     """Of the best point, where no design was found and there was a start."""
+    cost: float | None = None
+    """By how much λ rises with it instead of the one that is best; None where either has none."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ class Search:
     combinations: int = 1
     """Of the catalogues' choices."""
     branches: tuple[Branch, ...] = ()
-    """Those that were searched; none where the spec has no catalogue."""
+    """Those that were searched, the best first; none where the spec has no catalogue."""
     front: FrontSearch | None = None
     """For a Pareto set, where the spec has catalogues."""
 

@@ -243,8 +243,8 @@ class _Writer:
         rows = []
         for one in search.branches:
             values = [self.numbers.value(one.choices[n], self.known.variables.get(n, UNKNOWN)) for n in names]
-            rows.append([*values, words.branch(one)])
-        self.page.table([*names, "λ"], rows)
+            rows.append([*values, words.branch(one), words.behind(one, search.branches[0])])
+        self.page.table([*names, "λ", ""], rows)
 
     def _sweep(self) -> None:
         sweep = self.result.sweep

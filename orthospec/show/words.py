@@ -180,6 +180,15 @@ def branch(one: BranchRecord) -> str:
     return f"no design found{missed}"
 
 
+def behind(one: BranchRecord, best: BranchRecord) -> str:
+    """How far a combination of choices is behind the one that was taken."""
+    if one is best:
+        return "taken" if one.found else ""
+    if one.cost is None or one.cost < _NO_CHANGE:
+        return "as good" if one.found else ""
+    return f"λ rises by {one.cost:.3g}"
+
+
 def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[str, str]:
     """A condition of a conflict, and by how much it alone would have to give way."""
     said = limiting(LimitRecord(kind=culprit.kind, name=culprit.name, side=culprit.side), known, numbers)
