@@ -15,6 +15,7 @@ from typing import Any
 from orthospec.errors import UsageError
 from orthospec.optimise.attain import Attained, Hunt, hunt
 from orthospec.optimise.explore import problem_on_grid, start_at
+from orthospec.optimise.meet import LOWER, SLACK, Lowering, Met, gaps_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task
 from orthospec.optimise.workers import Workers, in_order
@@ -125,6 +126,29 @@ def _screened(
             ranks[number] = min(rank, ranks.get(number, rank))
     kept = sorted(sorted(ranks, key=lambda number: (ranks[number], number))[:MOST])
     return [every[number] for number in kept] or every[:1]
+
+
+def beside_choices(
+    space: DesignSpace, best: Attained, workers: Workers, progress: Progress | None = None
+) -> Attained:
+    """The best of a branch, the other goals lowered where goals on choices alone decide λ.
+
+    Such a goal has one value in the branch: λ leaves the others wherever the solve stopped.
+    """
+    choice = tuple((name, space.spec.variables[name].start) for name in catalogues(space.spec))
+    soft = [goal for goal in space.design(best.end.design).goals if goal.weight > 0]
+    if not (choice and best.feasible and len(soft) > 1) or any(goal.sense == "match" for goal in soft):
+        return best
+    gaps = gaps_at(space.spec, choice, best.end)
+    rows = {goal.name: gap / goal.weight for goal, gap in zip(soft, gaps, strict=True)}
+    deciding = {name for name, row in rows.items() if row >= max(rows.values()) - SLACK}
+    plans = [plan for plan in space.spec.goals if plan.name in deciding]
+    if not all(plan.depends_on_only(dict(choice).keys()) for plan in plans):
+        return best
+    aims = tuple((goal.name, 0.0, goal.weight) for goal in soft)
+    one = Lowering(choice, tuple(goal.weight for goal in soft), Met(best, gaps, aims))
+    (met,) = in_order(workers, LOWER, space, [one], progress)
+    return replace(best, end=met.attained.end)
 
 
 def start_merit(

@@ -16,7 +16,7 @@ import numpy as np
 from orthospec.errors import PluginFault
 from orthospec.optimise.appraise import FRONT, SWEEP, Asked, appraised, asked, error_of
 from orthospec.optimise.attain import Attained
-from orthospec.optimise.branch import catalogues, hunt_branches
+from orthospec.optimise.branch import beside_choices, catalogues, hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
@@ -115,6 +115,11 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
     (space, found), stopped = branches.best, branches.interrupted
     best = found.best
+    if best is not None and not stopped:
+        try:
+            best = beside_choices(space, best, doing, progress)
+        except KeyboardInterrupt:
+            stopped = True
     design = space.design(best.end.design) if best is not None else spec.design(spec.default_values())
     prescribed = best.end.cuboids(space) if best is not None else None
     quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
