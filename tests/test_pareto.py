@@ -144,6 +144,13 @@ def test_goals_that_agree_have_a_set_of_one_point(spec_of):
     assert knees == [False]
 
 
+def test_of_ends_that_agree_the_one_that_is_best_in_both_is_told(spec_of):
+    """f is flat up to 0.5, and alone leaves x at its start there; g alone wants 0.2."""
+    goals = '{f: {minimise: "max(x, 0.5)", goal: 1}, g: {minimise: (x - 0.2)**2 + 1, goal: 2}}'
+    gaps, _ = front_of(spec_of, "{x: {min: 0, max: 1, start: 0.45}}", goals, 5)
+    np.testing.assert_allclose(gaps, [[-0.5, -1.0]], atol=1e-8)
+
+
 def test_three_goals_lie_on_the_sphere_that_is_their_set(spec_of):
     """min 3 − x_i on the ball |x| <= 1, as hard goal: the set is the sphere's positive part."""
     names = "abc"

@@ -10,7 +10,7 @@ import numpy as np
 
 from orthospec.optimise.attain import hunt
 from orthospec.optimise.branch import choices_of
-from orthospec.optimise.meet import LOWER, Aims, Choice, Lowering, Met, gaps_at, soft_goals, space_of
+from orthospec.optimise.meet import LOWER, Aims, Chosen, Lowering, Met, gaps_at, soft_goals, space_of
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Workers, in_order
 from orthospec.spec import Spec
@@ -29,7 +29,7 @@ TIED = 1e-7
 class BranchEnds:
     """One combination of choices, and what was found with it for each goal alone."""
 
-    choice: Choice
+    choice: Chosen
     ends: tuple[Met | None, ...]
 
     @property
@@ -68,7 +68,7 @@ def _aims(name: str) -> Aims:
     return ((name, 0.0, 1.0),)
 
 
-def _end(spec: Spec, choice: Choice, name: str, workers: Workers, progress: Progress | None) -> Met | None:
+def _end(spec: Spec, choice: Chosen, name: str, workers: Workers, progress: Progress | None) -> Met | None:
     """The best in one goal, whatever that costs in the others."""
     found = hunt(space_of(spec, choice, _aims(name)), workers, progress)
     if found.interrupted:
@@ -121,6 +121,13 @@ def ranges_of(ends: Sequence[End]) -> Array:
     """How far each goal lies apart between the ends (g,)."""
     gaps = np.array([end.met.gaps for end in ends])
     return np.asarray(gaps.max(axis=0) - np.diag(gaps))
+
+
+def best_in_all(ends: Sequence[End]) -> End:
+    """Of ends that agree the one that is best in the others' goals too: one that is flat need not be."""
+    gaps = np.array([end.met.gaps for end in ends])
+    sizes = np.maximum(np.abs(gaps).max(axis=0), 1e-12)
+    return ends[int(np.argmin(np.round(np.sum((gaps - np.diag(gaps)) / sizes, axis=1), 9)))]
 
 
 def agree(ends: Sequence[End]) -> bool:

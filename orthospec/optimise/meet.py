@@ -32,7 +32,7 @@ the last digits of those that decide.
 
 Aims = tuple[tuple[str, float, float], ...]
 """Of each soft goal: its name, by how much easier it is, and its weight."""
-Choice = tuple[tuple[str, float], ...]
+Chosen = tuple[tuple[str, float], ...]
 """The variables with a catalogue, and what is chosen of each."""
 
 
@@ -51,7 +51,7 @@ class Met:
 class Sought:
     """A point to look for in a branch, and where from."""
 
-    choice: Choice
+    choice: Chosen
     aims: Aims
     ranges: tuple[float, ...]
     """Of all soft goals over the set."""
@@ -62,12 +62,12 @@ class Sought:
 class Lowering:
     """A point that was met in a branch."""
 
-    choice: Choice
+    choice: Chosen
     ranges: tuple[float, ...]
     met: Met
 
 
-def space_of(spec: Spec, choice: Choice, aims: Aims) -> DesignSpace:
+def space_of(spec: Spec, choice: Chosen, aims: Aims) -> DesignSpace:
     """The problem of a point: one branch, its soft goals those of the aims."""
     aimed = spec.aimed({name: (easier, weight) for name, easier, weight in aims})
     return DesignSpace(aimed.chosen(dict(choice)))
@@ -134,7 +134,7 @@ def as_aimed(space: DesignSpace, found: Attained) -> Attained:
     return replace(found, factor=float(here.factor), unit=fit.objective.unit)
 
 
-def gaps_at(spec: Spec, choice: Choice, place: Place) -> tuple[float, ...]:
+def gaps_at(spec: Spec, choice: Chosen, place: Place) -> tuple[float, ...]:
     """How far each soft goal is missed with the design at a place; negative where it is met."""
     fit = fit_at(DesignSpace(spec.chosen(dict(choice))), place)
     fit.problem.lattice = FINE

@@ -22,7 +22,16 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from orthospec.optimise.ends import SAME, BranchEnds, End, agree, best_ends, ranges_of, search_branches
+from orthospec.optimise.ends import (
+    SAME,
+    BranchEnds,
+    End,
+    agree,
+    best_ends,
+    best_in_all,
+    ranges_of,
+    search_branches,
+)
 from orthospec.optimise.lattice import Lattice, shares_of
 from orthospec.optimise.meet import SEEK, Met, Sought, as_aimed, soft_goals, space_of
 from orthospec.optimise.space import DesignSpace
@@ -68,8 +77,9 @@ def find_front(spec: Spec, workers: Workers, progress: Progress | None = None) -
     if not ends:
         return Front((), FrontSearch(searched, 0, 0))
     if agree(ends):
-        space = space_of(spec, branches[ends[0].branch].choice, ((names[0], 0.0, 1.0),))
-        return Front((Point(space, ends[0].met),), FrontSearch(searched, 0, 0))
+        one = best_in_all(ends)
+        space = space_of(spec, branches[one.branch].choice, one.met.aims)
+        return Front((Point(space, one.met),), FrontSearch(searched, 0, 0))
     gaps = np.array([end.met.gaps for end in ends])
     lattice = Lattice(spec, names, gaps, ranges_of(ends), shares_of(len(names), spec.pareto or 0))
     walk = _Walk(lattice, branches, workers, progress)
