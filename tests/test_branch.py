@@ -54,7 +54,7 @@ def test_each_branch_is_the_problem_with_the_choice_written_into_it(flat, spec_o
 
 def test_the_best_branch_is_kept(flat):
     finding = flat[1]
-    assert [one.choices["third"] for one in finding.search.branches] == [1.3, 1.6, 2.0]
+    assert [one.choices["third"] for one in finding.search.branches] == [1.6, 1.3, 2.0]
     assert finding.design.values["third"] == 1.6
     assert finding.attainment.factor == pytest.approx(min(one.factor for one in finding.search.branches))
 
@@ -63,8 +63,27 @@ def test_a_catalogue_alone_is_searched_to_its_best_entry(spec_of):
     """310.5829 mm is the least leg: of the catalogue 310.6 mm, and 300 mm holds nowhere."""
     finding = solve(spec_of(BARE)).finding
     assert finding.design.values["leg"] == 0.3106
-    assert [one.found for one in finding.search.branches] == [False, True, True]
-    assert finding.search.branches[0].least_violation > 0.01
+    assert [one.choices["leg"] for one in finding.search.branches] == [0.3106, 0.32, 0.3]
+    assert [one.found for one in finding.search.branches] == [True, True, False]
+    assert finding.search.branches[2].least_violation > 0.01
+
+
+def test_where_a_choice_decides_the_other_goal_is_as_good_as_the_choice_lets_it_be(spec_of):
+    """The third leg of 1.6 m misses its goal by 0.3; the base beside it comes to less."""
+    base, third = "base: {minimise: base, goal: 1.3}", "leg: {minimise: third, goal: 1.3}"
+    alone = FLAT.replace("sum: {minimise: 2 * base + third, goal: 4}", base)
+    found = solve(spec_of(alone.replace(base, f"{base}, {third}"))).finding
+    assert found.attainment.factor == pytest.approx(0.3)
+    assert found.design.values["third"] == 1.6
+    shortest = solve(spec_of(alone.replace("[1.6, 1.3, 2.0]", "[1.6]"))).finding
+    assert found.design.values["base"] == pytest.approx(shortest.design.values["base"], abs=1e-8)
+
+
+def test_another_choice_has_its_price(spec_of):
+    """λ is by how much the legs are longer than 300 mm."""
+    spec = spec_of(BARE)
+    content = yaml.safe_load(yaml.safe_dump(compose(spec, solve(spec).finding)))
+    assert [one.get("cost") for one in content["search"]["branches"]] == [0.0, pytest.approx(0.0094), None]
 
 
 def test_choices_are_no_ends_of_a_range(flat):
@@ -82,7 +101,7 @@ def test_too_many_combinations_are_screened_and_the_result_says_how_many(spec_of
     spec = spec_of(FLAT)
     found = solve(spec).finding
     assert found.search.combinations == 3
-    assert [one.choices["third"] for one in found.search.branches] == [1.3, 1.6]
+    assert [one.choices["third"] for one in found.search.branches] == [1.6, 1.3]
     text = show(compose(spec, found), width=100, colour=False, spec=spec)
     assert "Of 3 combinations the 2 best on a coarse grid." in text
 
@@ -142,7 +161,7 @@ def test_a_result_tells_the_branches_and_is_shown_with_them(flat):
     assert [one["found"] for one in content["search"]["branches"]] == [True] * 3
     text = " ".join(show(content, width=100, colour=False, spec=spec).split())
     assert "third 1.6 m one of 1.3 m, 1.6 m, 2 m" in text
-    assert "Choices third λ 1.3 m 0.540991 1.6 m 0.390844 2 m 0.678571" in text
+    assert "Choices third λ 1.6 m 0.390844 taken 1.3 m 0.540991 λ rises by 0.15 2 m 0.678571" in text
 
 
 def test_no_spec_of_the_repository_has_another_hash_for_the_catalogues_it_does_not_have(spec_of):

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import yaml
 from scipy.optimize import brentq
 
-from orthospec.optimise import solve
+from orthospec.optimise import hired, loosen, remembering, solve
 from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
 from orthospec.result import compose
 from orthospec.show import show
+from orthospec.spec.writing import dump
 
 SHORT = """\
 orthospec: 1
@@ -121,3 +123,61 @@ def test_the_card_is_shown_with_places_values_and_ways_out(short):
     assert "variable leg: at most 300 mm (spec.yaml:2:32) alone: to 310.583 mm, by 5.3 % of its range" in text
     assert "measure transmission: at most 2 (spec.yaml:5:70) alone: to 2.24843, by 12 %" in text
     assert "Or: all of these by 3.6 %, or a cuboid of 96.59 % of the size." in text
+
+
+def bytes_of(spec, **options):
+    return dump(compose(spec, solve(spec, **options).finding))
+
+
+def test_two_processes_give_the_same_bytes(short):
+    with hired(jobs=2) as two:
+        assert bytes_of(short[0], workers=two) == dump(compose(*short))
+
+
+def test_a_card_that_is_kept_is_not_solved_again(short, tmp_path, monkeypatch):
+    with remembering(Here(), tmp_path) as workers:
+        first = bytes_of(short[0], workers=workers)
+
+    def not_again(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr(loosen, "minimise", not_again)
+    with remembering(Here(), tmp_path) as workers:
+        assert bytes_of(short[0], workers=workers) == first
+        assert workers.known == workers.asked
+
+
+def stopped_at(stage, done, spec):
+    """The outcome of a solve that Ctrl-C ends once so much of a stage is done."""
+
+    def stop(name, now, _):
+        if (name, now) == (stage, done):
+            raise KeyboardInterrupt
+
+    return solve(spec, progress=stop)
+
+
+def test_ctrl_c_keeps_the_loosenings_that_are_known(short):
+    spec, whole = short
+    outcome = stopped_at("what would have to give way", 1, spec)
+    finding = outcome.finding
+    assert outcome.interrupted
+    assert finding.status == "unfinished"
+    known, cut_off = finding.search.card.culprits
+    assert known in whole.search.card.culprits
+    assert not cut_off.sought
+    assert finding.search.card.together is None
+    assert finding.search.conflicts == whole.search.conflicts
+    content = yaml.safe_load(dump(compose(spec, finding)))
+    assert ["by" in one for one in content["search"]["card"]["conflict"]] == [True, False]
+    text = " ".join(show(content, width=100, colour=False, spec=spec).split())
+    assert text.count("stopped before it was known how far it alone") == 1
+    assert "What conflicts" in text
+
+
+def test_ctrl_c_before_the_conflict_is_known_keeps_what_shares_the_violation(short):
+    spec, whole = short
+    outcome = stopped_at("what conflicts", 1, spec)
+    assert outcome.interrupted
+    assert outcome.finding.search.card is None
+    assert outcome.finding.limits == whole.limits

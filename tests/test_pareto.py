@@ -32,7 +32,7 @@ pareto: {points: POINTS}
 """The machine is always the same: the goals are functions of the variables alone."""
 
 
-def least_base(third):
+def least_base(third, most=2.0):
     """The shortest base legs for this third one: all eight corners in SLSQP, from the loop equations."""
 
     def margins(x):
@@ -42,7 +42,7 @@ def least_base(third):
             rows = -pose / np.sqrt(lengths**2 - (pose @ pose - pose**2))[:, None]
             np.fill_diagonal(rows, 1)
             spread = np.log(np.linalg.eigvalsh(rows.T @ rows))
-            found += [np.log(4) - spread.max(), np.log(4) + spread.min()]
+            found += [np.log(4) - spread.max(), 2 * np.log(most) + spread.min()]
         return np.array(found)
 
     solved = minimize(
@@ -59,7 +59,7 @@ def least_base(third):
 def front_of(spec_of, variables, goals, points):
     text = PLANE.replace("VARIABLES", variables).replace("GOALS", goals).replace("POINTS", str(points))
     spec = spec_of(text)
-    found = find_front(spec, Here())
+    found = find_front(spec, Here()).points
     return np.array([point.met.gaps for point in found]), [point.is_knee for point in found]
 
 
@@ -107,6 +107,13 @@ def test_a_points_prices_are_of_bounds_and_ranges_alone(front):
     assert middle.cost > 0
 
 
+def test_an_ends_prices_are_of_its_goal_alone_in_parts_of_its_range(front):
+    bases = [one.design.values["base"] for one in front]
+    (limit,) = [one for one in front[0].limits if one.kind == "bound"]
+    won = least_base(3.0) - least_base(3.0, most=2.02)
+    assert limit.gain == pytest.approx(won / (max(bases) - min(bases)), rel=1e-4)
+
+
 def test_a_concave_set_is_covered_and_has_no_knee(spec_of):
     goals = '{f: {minimise: x, goal: 2}, g: {minimise: "2 - x**2", goal: 3}}'
     gaps, knees = front_of(spec_of, "{x: {min: 0, max: 1}}", goals, 5)
@@ -137,6 +144,13 @@ def test_goals_that_agree_have_a_set_of_one_point(spec_of):
     assert knees == [False]
 
 
+def test_of_ends_that_agree_the_one_that_is_best_in_both_is_told(spec_of):
+    """f is flat up to 0.5, and alone leaves x at its start there; g alone wants 0.2."""
+    goals = '{f: {minimise: "max(x, 0.5)", goal: 1}, g: {minimise: (x - 0.2)**2 + 1, goal: 2}}'
+    gaps, _ = front_of(spec_of, "{x: {min: 0, max: 1, start: 0.45}}", goals, 5)
+    np.testing.assert_allclose(gaps, [[-0.5, -1.0]], atol=1e-8)
+
+
 def test_three_goals_lie_on_the_sphere_that_is_their_set(spec_of):
     """min 3 − x_i on the ball |x| <= 1, as hard goal: the set is the sphere's positive part."""
     names = "abc"
@@ -156,7 +170,6 @@ def test_three_goals_lie_on_the_sphere_that_is_their_set(spec_of):
     [
         (", g: {minimise: y, goal: 1}", "", "a Pareto set is of 2 or 3 goals with weights above 0, 1 given"),
         ("g: {minimise: y, goal: 1}", "g: {match: y, goal: 1, weight: 1}", "to match is a hard bound"),
-        ("y: {min: 0, max: 1}", "y: {choices: [0, 1]}", "'choices' beside 'pareto' are not available"),
     ],
 )
 def test_what_there_is_no_set_of_is_a_mistake(spec_of, old, new, said):

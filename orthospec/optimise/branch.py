@@ -6,15 +6,17 @@ and the best go on. What was not searched is told.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
+from math import inf
 from typing import Any
 
 from orthospec.errors import UsageError
 from orthospec.optimise.attain import Attained
 from orthospec.optimise.explore import problem_on_grid, start_at
 from orthospec.optimise.hunt import Hunt, hunt
+from orthospec.optimise.meet import LOWER, SLACK, Lowering, Met, gaps_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task
 from orthospec.optimise.workers import Workers, in_order
@@ -66,8 +68,14 @@ class Branches:
         return [entry for space, found in self.hunts for entry in found.history(space)]
 
     def records(self) -> tuple[Branch, ...]:
-        """Each branch with the best that was found in it; none where there is no catalogue."""
-        return tuple(_record(space, found.best) for space, found in self.hunts if catalogues(space.spec))
+        """Each branch with what was found in it, the best first; none where there is no catalogue."""
+        space, found = self.best
+        if not catalogues(space.spec):
+            return ()
+        taken = _record(space, found.best)
+        others = [_record(other, hunt.best) for other, hunt in self.hunts if other is not space]
+        every = (taken, *sorted(others, key=_order))
+        return tuple(replace(one, cost=_cost(one, taken)) for one in every)
 
 
 def catalogues(spec: Spec) -> tuple[str, ...]:
@@ -77,7 +85,7 @@ def catalogues(spec: Spec) -> tuple[str, ...]:
 
 def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None) -> Branches:
     """Search each branch; stopped by Ctrl-C it gives back what it has."""
-    choices, combinations = _combinations(spec, workers, progress)
+    choices, combinations = choices_of([spec], workers, progress)
     hunts = []
     for choice in choices:
         space = DesignSpace(spec.chosen(choice))
@@ -87,9 +95,12 @@ def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None
     return Branches(combinations, tuple(hunts))
 
 
-def _combinations(spec: Spec, workers: Workers, progress: Progress | None) -> tuple[list[Choice], int]:
-    """The combinations to search, and how many there are."""
-    lists = {name: spec.variables[name].choices for name in catalogues(spec)}
+def choices_of(
+    specs: Sequence[Spec], workers: Workers, progress: Progress | None = None
+) -> tuple[list[Choice], int]:
+    """The combinations to search, and how many there are; ``specs`` are one problem with various goals."""
+    variables = specs[0].variables
+    lists = {name: variables[name].choices for name in catalogues(specs[0])}
     every: list[Choice] = [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
     if len(every) > MOST_SCREENED:
         raise UsageError(
@@ -97,16 +108,45 @@ def _combinations(spec: Spec, workers: Workers, progress: Progress | None) -> tu
         )
     if len(every) <= MOST:
         return every, len(every)
-    return _screened(spec, every, workers, progress), len(every)
+    return _screened(specs, every, workers, progress), len(every)
 
 
-def _screened(spec: Spec, every: list[Choice], workers: Workers, progress: Progress | None) -> list[Choice]:
-    """The best combinations on the coarse grid, in their own order."""
+def _screened(
+    specs: Sequence[Spec], every: list[Choice], workers: Workers, progress: Progress | None
+) -> list[Choice]:
+    """The best combinations on the coarse grid, in their own order; by turns of each of the specs."""
     choices = [tuple(choice.items()) for choice in every]
-    merits = in_order(workers, SCREEN, DesignSpace(spec), choices, progress)
-    known = sorted((merit, number) for number, merit in enumerate(merits) if merit is not None)
-    kept = sorted(number for _, number in known[:MOST])
+    ranks: dict[int, int] = {}
+    for spec in specs:
+        merits = in_order(workers, SCREEN, DesignSpace(spec), choices, progress)
+        known = sorted((merit, number) for number, merit in enumerate(merits) if merit is not None)
+        for rank, (_, number) in enumerate(known):
+            ranks[number] = min(rank, ranks.get(number, rank))
+    kept = sorted(sorted(ranks, key=lambda number: (ranks[number], number))[:MOST])
     return [every[number] for number in kept] or every[:1]
+
+
+def beside_choices(
+    space: DesignSpace, best: Attained, workers: Workers, progress: Progress | None = None
+) -> Attained:
+    """The best of a branch, the other goals lowered where goals on choices alone decide λ.
+
+    Such a goal has one value in the branch: λ leaves the others wherever the solve stopped.
+    """
+    choice = tuple((name, space.spec.variables[name].start) for name in catalogues(space.spec))
+    soft = [goal for goal in space.design(best.end.design).goals if goal.weight > 0]
+    if not (choice and best.feasible and len(soft) > 1) or any(goal.sense == "match" for goal in soft):
+        return best
+    gaps = gaps_at(space.spec, choice, best.end)
+    rows = {goal.name: gap / goal.weight for goal, gap in zip(soft, gaps, strict=True)}
+    deciding = {name for name, row in rows.items() if row >= max(rows.values()) - SLACK}
+    plans = [plan for plan in space.spec.goals if plan.name in deciding]
+    if not all(plan.depends_on_only(dict(choice).keys()) for plan in plans):
+        return best
+    aims = tuple((goal.name, 0.0, goal.weight) for goal in soft)
+    one = Lowering(choice, tuple(goal.weight for goal in soft), Met(best, gaps, aims))
+    (met,) = in_order(workers, LOWER, space, [one], progress)
+    return replace(best, end=met.attained.end)
 
 
 def start_merit(
@@ -123,6 +163,16 @@ def _start_on_grid(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 SCREEN = Task("screening the catalogues", start_merit, _start_on_grid)
+
+
+def _order(one: Branch) -> tuple[bool, float]:
+    """The least λ first, then the least violation; to eight digits, so that rounding does not decide."""
+    merit = one.factor if one.found else one.least_violation
+    return not one.found, inf if merit is None and not one.found else float(f"{merit or 0.0:.8g}")
+
+
+def _cost(one: Branch, taken: Branch) -> float | None:
+    return None if one.factor is None or taken.factor is None else one.factor - taken.factor
 
 
 def _record(space: DesignSpace, best: Attained | None) -> Branch:

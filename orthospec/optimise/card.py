@@ -4,41 +4,73 @@ A deletion filter (Chinneck, *Feasibility and Infeasibility in Optimization*, 20
 condition after the other and looks again for a design: what is not missed does not belong to the conflict.
 Then each condition of the conflict is loosened by as little as does it, everything else held, and all of them
 by one and the same part. Each look is a local solve from the point found, so that the card tells what was
-*found*, as the search does.
+*found*, as the search does. The looks of the filter follow from one another; the loosenings do not, and are
+shared out among the workers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal
 
-from orthospec.optimise.loosen import SMALLEST, joint_limits, largest_scale, look, loosened, stem
+from orthospec.optimise.give_way import CONFLICT, GIVE_WAY, WayOut, Without
+from orthospec.optimise.loosen import SMALLEST, joint_limits, stem
 from orthospec.optimise.place import Place
 from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Stopped
+from orthospec.optimise.workers import Workers, counted, in_order
 from orthospec.result import Card, Culprit, Limit
+from orthospec.workspace.field import Progress
 
 SAME = 1e-6
 """Loosening all by so little less than one alone is no other way out."""
 
 
-def find_card(space: DesignSpace, place: Place, suspects: Sequence[Limit]) -> Card:
+def find_card(
+    space: DesignSpace,
+    place: Place,
+    suspects: Sequence[Limit],
+    workers: Workers,
+    progress: Progress | None = None,
+) -> Card:
     """The card of a search that ended at ``place``; ``suspects`` share the least violation there.
 
-    Where a goal is about the scale, a smaller cuboid is no way out, and is not looked for.
+    Where a goal is about the scale, a smaller cuboid is no way out, and is not looked for. Ctrl-C once the
+    conflict is known is `Stopped`, with a card of what is known by then.
     """
     scaled = place.scales is not None and place.least_scale is None
     every = _all_conditions(space, place)
     here = replace(place, scales=(SMALLEST, 1.0), least_scale=1.0) if not scaled else place
     suspected = set(map(_bare, suspects))
-    conflict, small = _smallest(space, here, every, [one for one in every if one in suspected])
-    found = {one: loosened(space, here, [one]) for one in conflict}
-    culprits = sorted((_culprit(space, one, by) for one, by in found.items()), key=_order)
-    together = loosened(space, here, conflict) if len(conflict) > 1 else None
-    if together is not None and any(by is not None and by <= together * (1 + SAME) for by in found.values()):
+    look = _Filter(space, here, workers, every, progress)
+    conflict, small = _smallest(look, every, [one for one in every if one in suspected])
+    ways = [WayOut(here, (one,)) for one in conflict]
+    ways += [WayOut(here, conflict)] if len(conflict) > 1 else []
+    ways += [] if scaled else [WayOut(here, ())]
+    known: dict[WayOut, float | None] = {}
+    try:
+        for number, least in counted(workers, GIVE_WAY, space, ways, progress):
+            known[ways[number]] = least
+    except KeyboardInterrupt:
+        raise Stopped(_card(space, conflict, small, known)) from None
+    return _card(space, conflict, small, known)
+
+
+def _card(
+    space: DesignSpace, conflict: tuple[Limit, ...], small: bool, known: Mapping[WayOut, float | None]
+) -> Card:
+    """The card of what is known; the loosening of a condition that is not was cut off."""
+    least = {way.ones: by for way, by in known.items()}
+    culprits = [_culprit(space, one, least[(one,)]) for one in conflict if (one,) in least]
+    cut_off = [replace(_culprit(space, one, None), sought=False) for one in conflict if (one,) not in least]
+    together = least.get(conflict) if len(conflict) > 1 else None
+    if together is not None and any(
+        one.by is not None and one.by <= together * (1 + SAME) for one in culprits
+    ):
         together = None
-    return Card(tuple(culprits), small, together, None if scaled else largest_scale(space, place))
+    return Card((*sorted(culprits, key=_order), *cut_off), small, together, least.get(()))
 
 
 def _order(culprit: Culprit) -> tuple[float, str, str, str]:
@@ -71,23 +103,36 @@ def _plain(kind: Literal["bound", "joint", "variable", "goal"], name: str, side:
     return Limit(kind, name, side, (), None, None)
 
 
+@dataclass(frozen=True)
+class _Filter:
+    """Looks for a design with some of the conditions held."""
+
+    space: DesignSpace
+    place: Place
+    workers: Workers
+    every: Sequence[Limit]
+    progress: Progress | None
+
+    def conflicts(self, held: Iterable[Limit]) -> bool:
+        """Whether none is found."""
+        kept = set(held)
+        asked = Without(self.place, tuple(one for one in self.every if one not in kept))
+        (found,) = in_order(self.workers, CONFLICT, self.space, [asked], self.progress)
+        return found
+
+
 def _smallest(
-    space: DesignSpace, place: Place, every: Sequence[Limit], suspects: Sequence[Limit]
+    look: _Filter, every: Sequence[Limit], suspects: Sequence[Limit]
 ) -> tuple[tuple[Limit, ...], bool]:
     """A set that conflicts, and whether a design was found without each one of it."""
-
-    def conflicts(kept: Iterable[Limit]) -> bool:
-        held = set(kept)
-        return not look(space, place, {one: inf for one in every if one not in held}).found
-
-    left = list(suspects if conflicts(suspects) else every)
-    if len(left) == len(every) and not conflicts(left):
+    left = list(suspects if look.conflicts(suspects) else every)
+    if len(left) == len(every) and not look.conflicts(left):
         return (), False
     for one in list(left):
         rest = [other for other in left if other != one]
-        if rest and conflicts(rest):
+        if rest and look.conflicts(rest):
             left = rest
-    return tuple(left), len(left) > 1 or not conflicts(())
+    return tuple(left), len(left) > 1 or not look.conflicts(())
 
 
 def _culprit(space: DesignSpace, one: Limit, by: float | None) -> Culprit:

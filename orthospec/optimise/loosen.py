@@ -1,4 +1,4 @@
-"""Looking again for a design with some conditions loosened or left out, and loosening as little as does it.
+"""Looking again for a design with some conditions loosened, left out, or loosened as little as does it.
 
 Each look is a local solve from the place where a search ended.
 """
@@ -31,10 +31,6 @@ WIDE = 10.0
 """The end of a variable's range is left out by moving it this many ranges away."""
 SUBPROBLEMS = 60
 """Most subproblems spent on one look."""
-EXACT = 1e-8
-"""A loosening is known when it is enclosed this tightly."""
-LOOKS = 30
-"""Most looks spent on one loosening."""
 
 Loosening: TypeAlias = Mapping[Limit, float]
 """How far each condition is loosened, relative; infinite where it is left out."""
@@ -137,56 +133,6 @@ def stem(name: str) -> str:
     """``joint_limits`` of ``joint_limits.0``."""
     stem, _, number = name.rpartition(".")
     return stem if number.isdigit() else name
-
-
-def loosened(space: DesignSpace, place: Place, ones: Sequence[Limit]) -> float | None:
-    """By how much these must be loosened, all by the same part, for a design to be found.
-
-    None where no loosening does it.
-    """
-    free = look(space, place, dict.fromkeys(ones, inf))
-    if not free.found:
-        return None
-    if any(one.kind == "joint" for one in ones):
-        return _enclosed(space, place, ones)
-    solved = look(space, free.at, dict.fromkeys(ones, inf), tuple(ones))
-    return solved.factor if solved.found else None
-
-
-def _enclosed(space: DesignSpace, place: Place, ones: Sequence[Limit]) -> float | None:
-    """The same where the reach has the values: the least violation falls with the loosening.
-
-    The curve is nearly convex: secants from below, and bisection where one leads too far.
-    """
-    seen = look(space, place, {})
-    below: list[tuple[float, float]] = [(0.0, seen.missed)]
-    above, at = inf, seen.at
-    for _ in range(LOOKS):
-        here = _next(below, above)
-        seen = look(space, at, dict.fromkeys(ones, here))
-        if seen.found:
-            above = here
-        else:
-            below.append((here, seen.missed))
-            at = seen.at
-        if above < inf and above - below[-1][0] <= EXACT * max(1.0, above):
-            break
-    return above if above < inf else None
-
-
-def _next(below: Sequence[tuple[float, float]], above: float) -> float:
-    """The loosening to look at next, between the greatest that is too little and the least that is enough."""
-    here, missed = below[-1]
-    guess = here + 2 * missed
-    if len(below) > 1:
-        before, more = below[-2]
-        slope = (more - missed) / (here - before)
-        guess = here + missed / slope if slope > 0 else here + 2 * (here - before)
-    hair = 0.8 * EXACT * max(1.0, guess)
-    if abs(guess - above) <= hair:
-        return above - hair
-    # A hair beyond the root that is expected, so that the look there encloses it.
-    return guess + hair / 4 if guess + hair / 4 < above else (here + above) / 2
 
 
 def look(space: DesignSpace, place: Place, loosening: Loosening, least: tuple[Limit, ...] = ()) -> Look:

@@ -8,249 +8,228 @@ the line or plane through the ends; from each the set is met along the normal of
 
 F_i the gap of goal i and r_i its range between the ends. As inequalities they lead to points of the set also
 where it has gaps or is not convex: several P may then come to one point, and fewer points are told.
+
+With catalogues the ends are the best of all branches, and from each P every branch meets its own set: the
+least λ is kept. A branch is left out at a P where even what it comes to in each goal alone, all at once,
+would be worse than a design of another one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import count
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from orthospec.optimise.attain import FINISH, Attained, attain
-from orthospec.optimise.hunt import hunt
-from orthospec.optimise.place import Place, fit_at
+from orthospec.optimise.ends import (
+    SAME,
+    BranchEnds,
+    End,
+    agree,
+    best_ends,
+    best_in_all,
+    ranges_of,
+    search_branches,
+)
+from orthospec.optimise.lattice import Lattice, shares_of
+from orthospec.optimise.meet import SEEK, Met, Sought, as_aimed, soft_goals, space_of
 from orthospec.optimise.space import DesignSpace
-from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Workers, in_order
+from orthospec.result import FrontSearch
 from orthospec.spec import Spec
-from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array
+    from orthospec.arrays import Array, Flags
 
-SAME = 1e-6
-"""Goals nearer than this, as a part of their range, are one."""
 BETTER = 1e-7
 """A neighbour's design that does better than a point by this is where the point is sought again."""
 AGAIN = 3
 """How often points are sought again from their neighbours."""
 
-Aims = tuple[tuple[str, float, float], ...]
-"""Of each soft goal: its name, by how much easier it is, and its weight."""
-
-
-@dataclass(frozen=True)
-class Sought:
-    """A point to look for, and where from."""
-
-    aims: Aims
-    place: Place
-
-
-@dataclass(frozen=True)
-class Met:
-    """What was met, and the gaps of the spec's soft goals there, in their order."""
-
-    attained: Attained
-    gaps: tuple[float, ...]
+Spot: TypeAlias = tuple[int, int]
+"""Numbers of a branch and of a reference point."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """A point of the set."""
+    """A point of the set, and the problem that it solves."""
 
-    aims: Aims
+    space: DesignSpace
     met: Met
     is_knee: bool = False
 
-    def space(self, spec: Spec) -> DesignSpace:
-        """The problem that the point solves."""
-        return _space(spec, self.aims)
-
-
-def seek(space: DesignSpace, sought: Sought, _: Progress | None = None) -> Met:
-    """Meet the set from one place."""
-    found = attain(_space(space.spec, sought.aims), sought.place)
-    return Met(found, _gaps(space, found.end))
-
-
-SEEK = Task("points of the Pareto set", seek, problem_of, (Met, *FINISH.makes))
-
-
-def find_front(spec: Spec, workers: Workers, progress: Progress | None = None) -> tuple[Point, ...]:
-    """The set, from the end that is best in the first goal; empty where no design was found."""
-    space = DesignSpace(spec)
-    names = [plan.name for plan in spec.goals if plan.is_soft]
-    ends = [_end(space, name, workers, progress) for name in names]
-    known = [end for end in ends if end is not None]
-    if len(known) < len(names):
-        return ()
-    gaps = np.array([end.gaps for end in known])
-    ranges = gaps.max(axis=0) - np.diag(gaps)
-    if (ranges <= SAME * np.maximum(np.abs(gaps).max(axis=0), 1e-12)).any():
-        return (Point(((names[0], 0.0, 1.0),), known[0]),)
-    lattice = _Lattice(space, tuple(names), gaps, ranges, _weights(len(names), spec.pareto or 0))
-    met = _met(lattice, known, workers, progress)
-    return _named(lattice, met)
-
 
 @dataclass(frozen=True)
-class _Lattice:
-    """The reference points, by their weights on the ends."""
+class Front:
+    """The points, from the end that is best in the first goal, and what was searched for them."""
 
-    space: DesignSpace
-    names: tuple[str, ...]
-    ends: Array
-    """Gaps of the ends, one row each."""
-    ranges: Array
-    weights: Array
-    """(n, goals): whole shares of each end, of equal sum."""
-
-    def reference(self, k: int) -> Array:
-        """P of a point."""
-        return np.asarray(self.weights[k] @ self.ends / self.weights[k].sum())
-
-    def factor(self, k: int, gaps: Sequence[float]) -> float:
-        """λ that gaps come to in the problem of point k."""
-        return float(np.max((np.array(gaps) - self.reference(k)) / self.ranges))
-
-    def aims(self, k: int) -> Aims:
-        """The aims of a point; an end has one alone."""
-        if self.weights[k].max() == self.weights[k].sum():
-            at = int(self.weights[k].argmax())
-            return ((self.names[at], float(self.ends[at, at]), float(self.ranges[at])),)
-        moved = self.reference(k) + self._far(k) * self.ranges
-        parts = zip(self.names, moved, self.ranges, strict=True)
-        return tuple((name, float(by), float(weight)) for name, by, weight in parts)
-
-    def _far(self, k: int) -> float:
-        """How far along the normal the aims stand: λ differs by it, and no goal comes near 0."""
-        plain = {plan.name: plan for plan in self.space.spec.goals}
-        start = self.space.spec.default_values()
-        goals = [plain[name].at(start) for name in self.names]
-        signs = np.array([-1.0 if goal.sense == "maximise" else 1.0 for goal in goals])
-        at = np.array([goal.goal for goal in goals]) + signs * self.reference(k)
-        for step in count():
-            for far in (float(step), -float(step)):
-                if (np.abs(at + signs * far * self.ranges) >= 0.4 * self.ranges).all():
-                    return far
-        raise AssertionError
-
-    def neighbours(self, k: int) -> list[int]:
-        """The points one step away."""
-        steps = np.abs(self.weights - self.weights[k]).sum(axis=1)
-        return [int(i) for i in np.flatnonzero(steps == 2)]
+    points: tuple[Point, ...]
+    search: FrontSearch
 
 
-def _weights(goals: int, points: int) -> Array:
-    """All whole shares of one sum, as many as fit into ``points``, but the ends at least."""
-    total = max(points - 1, 1)
-    if goals == 3:
-        total = max(int((np.sqrt(8 * points + 1) - 3) / 2), 1)
-    return np.array(sorted(_shares(goals, total), reverse=True), dtype=float)
+def find_front(spec: Spec, workers: Workers, progress: Progress | None = None) -> Front:
+    """The set; empty where no design was found. Ctrl-C is KeyboardInterrupt."""
+    names = soft_goals(spec)
+    branches, searched = search_branches(spec, workers, progress)
+    ends = best_ends(spec, branches, workers, progress)
+    if not ends:
+        return Front((), FrontSearch(searched, 0, 0))
+    if agree(ends):
+        one = best_in_all(ends)
+        space = space_of(spec, branches[one.branch].choice, one.met.aims)
+        return Front((Point(space, one.met),), FrontSearch(searched, 0, 0))
+    gaps = np.array([end.met.gaps for end in ends])
+    lattice = Lattice(spec, names, gaps, ranges_of(ends), shares_of(len(names), spec.pareto or 0))
+    walk = _Walk(lattice, branches, workers, progress)
+    walk.go(ends)
+    search = FrontSearch(searched, len(walk.met), len(walk.left_out))
+    return Front(_named(lattice, branches, walk.best(ends)), search)
 
 
-def _shares(parts: int, total: int) -> Iterator[tuple[int, ...]]:
-    if parts == 1:
-        yield (total,)
-        return
-    for first in range(total + 1):
-        yield from ((first, *rest) for rest in _shares(parts - 1, total - first))
+@dataclass
+class _Walk:
+    """Meets the branches' sets from the reference points: in waves from the ends, then from better ones."""
+
+    lattice: Lattice
+    branches: Sequence[BranchEnds]
+    workers: Workers
+    progress: Progress | None
+    met: dict[Spot, Met] = field(default_factory=dict)
+    left_out: set[Spot] = field(default_factory=set)
+    """Where a branch cannot be better than another one."""
+    tried: set[Spot] = field(default_factory=set)
+
+    def go(self, ends: Sequence[End]) -> None:
+        """From the ends of all branches over all reference points."""
+        for b, branch in enumerate(self.branches):
+            corners = {(b, self.lattice.corner(i)): end for i, end in enumerate(branch.ends) if end}
+            self.met |= corners
+        self.met |= {(end.branch, self.lattice.corner(i)): end.met for i, end in enumerate(ends)}
+        while wave := self._next():
+            self._seek(wave)
+        for _ in range(AGAIN):
+            again = self._worth_another()
+            if not again:
+                break
+            self._seek(again)
+
+    def best(self, ends: Sequence[End]) -> dict[int, End]:
+        """At each reference point the branch with the least λ; of equal ones what is less in sum."""
+        found = {self.lattice.corner(i): end for i, end in enumerate(ends)}
+        for k in range(len(self.lattice.weights)):
+            here = [
+                End(b, met) for (b, at), met in sorted(self.met.items(), key=lambda item: item[0]) if at == k
+            ]
+            if k in found or not here:
+                continue
+            factors = self.lattice.factors(np.array([one.met.gaps for one in here]))[k]
+            tied = [one for one, λ in zip(here, factors, strict=True) if λ <= factors.min() + BETTER]
+            found[k] = min(tied, key=lambda one: (self._sum(one), one.branch))
+        return found
+
+    def _sum(self, end: End) -> float:
+        return round(float(np.sum(np.array(end.met.gaps) / self.lattice.ranges)), 9)
+
+    def _next(self) -> dict[Spot, list[Spot]]:
+        """Spots beside those that were dealt with, and where to begin; those that are beaten are left out."""
+        while True:
+            done = self.met.keys() | self.left_out | self.tried
+            beside = [spot for spot in self._all() if spot not in done and self._around(spot, done)]
+            beaten = self._beaten()
+            out = {spot for spot in beside if beaten[spot]}
+            self.left_out |= out
+            wave = {spot: self._starts(spot) for spot in beside if spot not in out}
+            if wave or not out:
+                return wave
+
+    def _all(self) -> list[Spot]:
+        return [(b, k) for b in range(len(self.branches)) for k in range(len(self.lattice.weights))]
+
+    def _around(self, spot: Spot, done: set[Spot]) -> list[Spot]:
+        """The spots of a branch one step away that are among others."""
+        b, k = spot
+        near = np.flatnonzero(self.lattice.steps[k] == 1)
+        return [(b, int(i)) for i in near if (b, int(i)) in done]
+
+    def _starts(self, spot: Spot) -> list[Spot]:
+        """Where the branch was met one step away, or else where it was met nearest."""
+        known = [k for b, k in self.met if b == spot[0]]
+        away = {k: self.lattice.steps[spot[1], k] for k in sorted(known)}
+        return [(spot[0], k) for k, steps in away.items() if steps == min(away.values())]
+
+    def _beaten(self) -> Flags:
+        """At which reference points a branch cannot be better than a design of another one (b, n)."""
+        floors = self.lattice.factors(np.array([branch.floor for branch in self.branches])).T
+        best = np.array([self._factors(b).min(axis=1) for b in range(len(self.branches))])
+        others = [np.delete(best, b, axis=0).min(axis=0, initial=np.inf) for b in range(len(best))]
+        return np.asarray(np.array(others) < floors - BETTER)
+
+    def _factors(self, b: int) -> Array:
+        """λ of all that a branch met, in the order of the reference points, at each of them (n, m)."""
+        gaps = [self.met[spot].gaps for spot in sorted(self.met) if spot[0] == b]
+        return self.lattice.factors(np.array(gaps))
+
+    def _worth_another(self) -> dict[Spot, list[Spot]]:
+        """Spots that a design which their branch met elsewhere would serve better, with the best of these."""
+        again = {}
+        for b in range(len(self.branches)):
+            spots = [spot for spot in sorted(self.met) if spot[0] == b]
+            for spot, factors in zip(spots, self._factors(b)[[k for _, k in spots]], strict=True):
+                here = factors[spots.index(spot)]
+                if not self.lattice.is_end(spot[1]) and factors.min() < here - BETTER:
+                    again[spot] = [spots[int(factors.argmin())]]
+        return again
+
+    def _seek(self, wave: dict[Spot, list[Spot]]) -> None:
+        """Seek points from where others were met; the best of what each comes to is kept."""
+        tries = [(spot, start) for spot, starts in wave.items() for start in starts]
+        ranges = tuple(map(float, self.lattice.ranges))
+        items = [
+            Sought(self.branches[b].choice, self.lattice.aims(k), ranges, self.met[start].attained.end)
+            for (b, k), start in tries
+        ]
+        space = DesignSpace(self.lattice.spec)
+        for (spot, _), found in zip(
+            tries, in_order(self.workers, SEEK, space, items, self.progress), strict=True
+        ):
+            self.tried.add(spot)
+            if found.attained.feasible and (spot not in self.met or self._is_better(spot, found)):
+                self.met[spot] = found
+
+    def _is_better(self, spot: Spot, found: Met) -> bool:
+        now, before = self.lattice.factors(np.array([found.gaps, self.met[spot].gaps]))[spot[1]]
+        return bool(now < before - 1e-9)
 
 
-def _end(space: DesignSpace, name: str, workers: Workers, progress: Progress | None) -> Met | None:
-    """The best in one goal, whatever that costs in the others."""
-    best = hunt(_space(space.spec, ((name, 0.0, 1.0),)), workers, progress).best
-    return None if best is None or not best.feasible else Met(best, _gaps(space, best.end))
-
-
-def _met(
-    lattice: _Lattice, ends: Sequence[Met], workers: Workers, progress: Progress | None
-) -> dict[int, Met]:
-    """What is met from each reference point: wave by wave from the ends, then again from better ones."""
-    met = {int(lattice.weights[:, i].argmax()): end for i, end in enumerate(ends)}
-    while wave := _next_to(lattice, met):
-        _seek(lattice, wave, met, workers, progress)
-    for _ in range(AGAIN):
-        again = _worth_another(lattice, met)
-        if not again:
-            break
-        _seek(lattice, again, met, workers, progress)
-    return met
-
-
-def _next_to(lattice: _Lattice, met: dict[int, Met]) -> dict[int, list[int]]:
-    """Points not sought yet beside those that were, with the neighbours to begin from."""
-    wave = {}
-    for k in range(len(lattice.weights)):
-        known = [i for i in lattice.neighbours(k) if i in met]
-        if k not in met and known:
-            wave[k] = known
-    return wave
-
-
-def _worth_another(lattice: _Lattice, met: dict[int, Met]) -> dict[int, list[int]]:
-    """Points that a design met elsewhere would serve better, with the best of these."""
-    again = {}
-    for k, here in met.items():
-        factors = {i: lattice.factor(k, other.gaps) for i, other in met.items()}
-        best = min(factors, key=lambda i: (factors[i], i))
-        if len(lattice.aims(k)) > 1 and factors[best] < lattice.factor(k, here.gaps) - BETTER:
-            again[k] = [best]
-    return again
-
-
-def _seek(
-    lattice: _Lattice,
-    wave: dict[int, list[int]],
-    met: dict[int, Met],
-    workers: Workers,
-    progress: Progress | None,
-) -> None:
-    """Seek points from where others were met; the best of what each comes to is kept."""
-    tries = [(k, start) for k, starts in wave.items() for start in starts]
-    items = [Sought(lattice.aims(k), met[start].attained.end) for k, start in tries]
-    for (k, _), found in zip(tries, in_order(workers, SEEK, lattice.space, items, progress), strict=True):
-        if not found.attained.feasible:
-            continue
-        if k not in met or lattice.factor(k, found.gaps) < lattice.factor(k, met[k].gaps) - 1e-9:
-            met[k] = found
-    for k, starts in wave.items():
-        met.setdefault(k, met[starts[0]])
-
-
-def _named(lattice: _Lattice, met: dict[int, Met]) -> tuple[Point, ...]:
+def _named(lattice: Lattice, branches: Sequence[BranchEnds], best: dict[int, End]) -> tuple[Point, ...]:
     """The points that no other one is better than, each once; the knee stands out furthest from the plane."""
-    order = sorted(met)
-    gaps = {k: np.array(met[k].gaps) / lattice.ranges for k in order}
+    kept = _distinct(lattice, {k: np.array(end.met.gaps) for k, end in sorted(best.items())})
+    depths = {k: round(lattice.depth(np.array(best[k].met.gaps)), 9) for k in kept}
+    knee = min(kept, key=lambda k: (depths[k], k))
+    bulges = depths[knee] < -SAME
+    return tuple(_point(lattice, branches, best[k], bulges and k == knee) for k in kept)
+
+
+def _distinct(lattice: Lattice, gaps: dict[int, Array]) -> list[int]:
+    """Where what no other one is better than was met; of several places at an end, or with the least λ."""
+    scaled = {k: one / lattice.ranges for k, one in gaps.items()}
+    factors = {k: round(float(lattice.factors(one[None])[k, 0]), 9) for k, one in gaps.items()}
     kept: list[int] = []
-    for k in order:
-        dominated = any((gaps[i] <= gaps[k] + SAME).all() and (gaps[i] < gaps[k] - SAME).any() for i in order)
-        known = any(np.abs(gaps[i] - gaps[k]).max() <= SAME for i in kept)
-        if not dominated and not known:
+    for k in sorted(gaps, key=lambda k: (not lattice.is_end(k), factors[k], k)):
+        here = scaled[k]
+        dominated = any((one <= here + SAME).all() and (one < here - SAME).any() for one in scaled.values())
+        if not dominated and not any(np.abs(scaled[i] - here).max() <= SAME for i in kept):
             kept.append(k)
-    factors = {k: lattice.factor(k, met[k].gaps) for k in kept}
-    knee = min(kept, key=lambda k: (round(factors[k], 9), k))
-    bulges = factors[knee] < -SAME
-    return tuple(Point(lattice.aims(k), met[k], bulges and k == knee) for k in kept)
+    return sorted(kept)
 
 
-def _space(spec: Spec, aims: Aims) -> DesignSpace:
-    return DesignSpace(spec.aimed({name: (easier, weight) for name, easier, weight in aims}))
-
-
-def _gaps(space: DesignSpace, place: Place) -> tuple[float, ...]:
-    """How far each soft goal of the spec is missed with the design at a place; negative where it is met."""
-    fit = fit_at(space, place)
-    fit.problem.lattice = FINE
-    point = fit.problem.layout.unpack(fit.problem.assess(fit.problem.start).x)
-    rows = fit.objective.rows(fit.problem.machine(point.design), point)
-    soft = [plan.name for plan in space.spec.goals if plan.is_soft]
-    owners = fit.objective.owners
-    return tuple(
-        max(float(row) for row, owner in zip(rows, owners, strict=True) if owner == name) for name in soft
-    )
+def _point(lattice: Lattice, branches: Sequence[BranchEnds], end: End, is_knee: bool) -> Point:
+    """A point with the problem that it solves, the goals weighted by their ranges over the set."""
+    ranges = dict(zip(lattice.names, map(float, lattice.ranges), strict=True))
+    met = replace(end.met, aims=tuple((name, by, ranges[name]) for name, by, _ in end.met.aims))
+    space = space_of(lattice.spec, branches[end.branch].choice, met.aims)
+    if met.aims != end.met.aims:
+        met = replace(met, attained=as_aimed(space, met.attained))
+    return Point(space, met, is_knee)

@@ -16,17 +16,28 @@ import numpy as np
 from orthospec.errors import PluginFault
 from orthospec.optimise.appraise import FRONT, SWEEP, Asked, appraised, asked, error_of
 from orthospec.optimise.attain import Attained
-from orthospec.optimise.branch import hunt_branches
+from orthospec.optimise.branch import beside_choices, catalogues, hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
 from orthospec.optimise.limits import find_conflicts, find_limits
+from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.pareto import find_front
 from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace
-from orthospec.optimise.tasks import Task, machine_and_measures
+from orthospec.optimise.tasks import Stopped, Task, machine_and_measures
 from orthospec.optimise.workers import Here, Workers, in_order
-from orthospec.result import Attainment, Card, Finding, GoalOutcome, Limit, PluginError, Search, Status
+from orthospec.result import (
+    Attainment,
+    Card,
+    Finding,
+    FrontSearch,
+    GoalOutcome,
+    Limit,
+    PluginError,
+    Search,
+    Status,
+)
 from orthospec.spec import Design, Goal, Spec
 from orthospec.workspace.evaluate import Evaluation
 from orthospec.workspace.field import fields
@@ -104,6 +115,11 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
     (space, found), stopped = branches.best, branches.interrupted
     best = found.best
+    if best is not None and not stopped:
+        try:
+            best = beside_choices(space, best, doing, progress)
+        except KeyboardInterrupt:
+            stopped = True
     design = space.design(best.end.design) if best is not None else spec.design(spec.default_values())
     prescribed = best.end.cuboids(space) if best is not None else None
     quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
@@ -116,29 +132,33 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         evaluation, known = appraised(Here(), space, quick)
     attainment = _attainment(design, evaluation)
     status = "unfinished" if stopped else _status(best, evaluation, attainment, known.faults)
+    infeasible = status == "infeasible"
     limits: tuple[Limit, ...] = ()
     card: Card | None = None
     front: tuple[Finding, ...] = ()
+    front_search: FrontSearch | None = None
     sweep: tuple[Finding, ...] = ()
     left_out: tuple[PluginError, ...] = ()
     try:
         limits = clock.time("limits", lambda: _limits(space, best, status, doing, progress))
         if best is not None and not best.feasible and status == "infeasible":
-            card = clock.time("card", lambda: _card(space, best, limits, progress))
+            card = clock.time("card", lambda: find_card(space, best.end, limits, doing, progress))
         if spec.pareto is not None and status in ("attained", "compromise"):
-            front = clock.time("pareto", lambda: _front(spec, doing, progress))
+            front, front_search = clock.time("pareto", lambda: _front(spec, doing, progress))
         if not stopped:
             sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         stopped, status = True, "unfinished"
+        card = stop.made if isinstance(stop, Stopped) and isinstance(stop.made, Card) else card
     search = Search(
         *branches.searched,
         best.subproblems if best is not None else 0,
         None if best is None or best.feasible else float(best.violation),
-        _conflicts(best, limits) if status == "infeasible" else (),
+        _conflicts(best, limits) if infeasible else (),
         card,
         branches.combinations,
         branches.records(),
+        front_search if catalogues(spec) else None,
     )
     errors = (*known.errors, *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)
@@ -215,12 +235,6 @@ def _limits(
     return find_limits(space, best, workers, progress)
 
 
-def _card(space: DesignSpace, best: Attained, limits: tuple[Limit, ...], progress: Progress | None) -> Card:
-    if progress is not None:
-        progress("what would have to give way", 0, 0)
-    return find_card(space, best.end, limits)
-
-
 def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, ...]:
     """Each thing that conflicts, named as the spec names it."""
     if best is None:
@@ -240,29 +254,30 @@ def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, .
     return tuple(found)
 
 
-def _front(spec: Spec, workers: Workers, progress: Progress | None) -> tuple[Finding, ...]:
+def _front(
+    spec: Spec, workers: Workers, progress: Progress | None
+) -> tuple[tuple[Finding, ...], FrontSearch]:
     """The Pareto set, each point as a finding; prices are parts of the goals' ranges over the set."""
-    points = find_front(spec, workers, progress)
-    whole = DesignSpace(spec)
-    ends = [point.met.attained.end for point in points]
-    designs = [whole.design(end.design) for end in ends]
+    front = find_front(spec, workers, progress)
+    ends = [(point.space, point.met.attained.end) for point in front.points]
+    designs = [space.design(end.design) for space, end in ends]
     asks = [
-        asked(design, spec.workspace.divisions, end.cuboids(whole))
-        for design, end in zip(designs, ends, strict=True)
+        asked(design, spec.workspace.divisions, end.cuboids(space))
+        for design, (space, end) in zip(designs, ends, strict=True)
     ]
-    soft = {plan.name for plan in spec.goals if plan.is_soft}
+    soft = set(soft_goals(spec))
+    measured = in_order(workers, FRONT, DesignSpace(spec), asks, progress)
     found = []
-    for point, design, known in zip(
-        points, designs, in_order(workers, FRONT, whole, asks, progress), strict=True
-    ):
+    for point, values, known in zip(front.points, (one.values for one in designs), measured, strict=True):
         if known.error is not None or known.evaluation is None:
             continue
-        limits = find_limits(point.space(spec), point.met.attained, workers, progress)
+        design = spec.design(values)
+        limits = find_limits(point.space, point.met.attained, workers, progress)
         kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
         attainment = _attainment(design, known.evaluation)
         status = _status(point.met.attained, known.evaluation, attainment, known.faults)
         found.append(Finding(status, design, known.evaluation, attainment, kept, is_knee=point.is_knee))
-    return tuple(found)
+    return tuple(found), front.search
 
 
 def _sweep(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -182,6 +183,7 @@ def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
             card=None if search.card is None else _card(spec, search.card),
             combinations=search.combinations if search.branches else None,
             branches=[_branch(branch) for branch in search.branches],
+            pareto=None if search.front is None else asdict(search.front),
         ),
     }
 
@@ -191,7 +193,7 @@ def _branch(branch: Branch) -> dict[str, Any]:
         "choices": _by_name(branch.choices),
         "found": branch.found,
         "factor": _known(branch.factor),
-        **_given(least_violation=_known(branch.least_violation)),
+        **_given(cost=_known(branch.cost), least_violation=_known(branch.least_violation)),
     }
 
 
@@ -204,8 +206,7 @@ def _card(spec: Spec, card: Card) -> dict[str, Any]:
                 "side": one.side,
                 "place": _portable(spec, one.place),
                 "value": _known(one.value),
-                "needed": _known(one.needed),
-                "by": _known(one.by),
+                **({"needed": _known(one.needed), "by": _known(one.by)} if one.sought else {}),
             }
             for one in card.culprits
         ],

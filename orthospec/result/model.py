@@ -130,7 +130,10 @@ class CulpritRecord(_Record):
     needed: float | None = None
     """The nearest value with which a design was found, all else held."""
     by: float | None = None
-    """How far that is, as a part of the bound or of the variable's range; null where it alone does not do."""
+    """How far that is, as a part of the bound or of the variable's range; null where it alone does not do.
+
+    Not in the file where the run was stopped before it was known.
+    """
 
 
 class CardRecord(_Record):
@@ -153,7 +156,20 @@ class BranchRecord(_Record):
     """Whether a design was found in which every bound holds."""
     factor: float | None = None
     """Its λ; null where there is none."""
+    cost: float | None = None
+    """By how much λ rises with it instead of the best one."""
     least_violation: float | None = None
+
+
+class FrontSearchRecord(_Record):
+    """What was searched for a Pareto set over catalogues."""
+
+    branches: int
+    """Combinations of choices that were searched for each goal alone."""
+    met: int
+    """Points met, of all branches together."""
+    left_out: int
+    """Points of branches that were not sought: another branch is better there, whatever they come to."""
 
 
 class SearchRecord(_Record):
@@ -175,6 +191,8 @@ class SearchRecord(_Record):
     combinations: int | None = None
     """Of the catalogues' choices, searched or not."""
     branches: list[BranchRecord] = []
+    """Those that were searched, the best first."""
+    pareto: FrontSearchRecord | None = None
 
 
 class ErrorRecord(_Record):

@@ -58,6 +58,8 @@ class Branch:
     """Its λ; None where there is none."""
     least_violation: float | None
     """Of the best point, where no design was found and there was a start."""
+    cost: float | None = None
+    """By how much λ rises with it instead of the one that is best; None where either has none."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,8 @@ class Culprit:
     """The nearest value with which a design was found, all else held."""
     by: float | None
     """How far that is: a part of the bound, of the variable's range; None where it alone does not do."""
+    sought: bool = True
+    """Whether that was looked for: not where the run was stopped before."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +92,18 @@ class Card:
     """The least part by which all of them must be loosened at once."""
     scale: float | None
     """The scale of the largest cuboid in which everything holds as it is."""
+
+
+@dataclass(frozen=True)
+class FrontSearch:
+    """What was searched for a Pareto set."""
+
+    branches: int
+    """Combinations of choices that were searched for each goal alone."""
+    met: int
+    """Points met, of all branches together."""
+    left_out: int
+    """Points of branches that were not sought: another branch is better there, whatever they come to."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +129,9 @@ class Search:
     combinations: int = 1
     """Of the catalogues' choices."""
     branches: tuple[Branch, ...] = ()
-    """Those that were searched; none where the spec has no catalogue."""
+    """Those that were searched, the best first; none where the spec has no catalogue."""
+    front: FrontSearch | None = None
+    """For a Pareto set, where the spec has catalogues."""
 
 
 @dataclass(frozen=True)

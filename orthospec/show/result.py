@@ -176,7 +176,8 @@ class _Writer:
     def _limits(self) -> None:
         if not self.result.limits:
             return
-        conflict = self.result.status == "infeasible"
+        search = self.result.search
+        conflict = self.result.status == "infeasible" or bool(search and search.conflicts)
         self.page.heading("What conflicts" if conflict else "What limits the design")
         for limit in words.together(self.result.limits):
             self.page.sentence(words.limiting(limit, self.known, self.numbers))
@@ -211,6 +212,9 @@ class _Writer:
         if not front:
             return
         self.page.heading(f"Pareto set: {words.counted(len(front), 'design')}")
+        search = self.result.search
+        if search is not None and search.pareto is not None:
+            self.page.sentence(words.searched_for_front(search.pareto))
         soft = [
             n for n, goal in (front[0].attainment.goals if front[0].attainment else {}).items() if goal.weight
         ]
@@ -239,8 +243,8 @@ class _Writer:
         rows = []
         for one in search.branches:
             values = [self.numbers.value(one.choices[n], self.known.variables.get(n, UNKNOWN)) for n in names]
-            rows.append([*values, words.branch(one)])
-        self.page.table([*names, "λ"], rows)
+            rows.append([*values, words.branch(one), words.behind(one, search.branches[0])])
+        self.page.table([*names, "λ", ""], rows)
 
     def _sweep(self) -> None:
         sweep = self.result.sweep

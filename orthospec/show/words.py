@@ -10,6 +10,7 @@ from orthospec.result.model import (
     CardRecord,
     CulpritRecord,
     DesignRecord,
+    FrontSearchRecord,
     LimitRecord,
     SearchRecord,
 )
@@ -58,6 +59,15 @@ def searched(search: SearchRecord) -> str:
 def counted(number: int, name: str) -> str:
     """``1 place``, ``2 places``."""
     return f"{number} {name}{'' if number == 1 else 's'}"
+
+
+def searched_for_front(search: FrontSearchRecord) -> str:
+    """What was searched for a Pareto set over catalogues."""
+    few = f"{search.branches} combination{'' if search.branches == 1 else 's'}"
+    beaten = (
+        f"; {search.left_out} more cannot be better than another combination's" if search.left_out else ""
+    )
+    return f"The best of {few}, which met {search.met} points{beaten}."
 
 
 def holds(one: DesignRecord) -> bool:
@@ -176,9 +186,20 @@ def branch(one: BranchRecord) -> str:
     return f"no design found{missed}"
 
 
+def behind(one: BranchRecord, best: BranchRecord) -> str:
+    """How far a combination of choices is behind the one that was taken."""
+    if one is best:
+        return "taken" if one.found else ""
+    if one.cost is None or one.cost < _NO_CHANGE:
+        return "as good" if one.found else ""
+    return f"λ rises by {one.cost:.3g}"
+
+
 def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[str, str]:
     """A condition of a conflict, and by how much it alone would have to give way."""
     said = limiting(LimitRecord(kind=culprit.kind, name=culprit.name, side=culprit.side), known, numbers)
+    if "by" not in culprit.model_fields_set:
+        return said, "stopped before it was known how far it alone would have to give way"
     if culprit.by is None:
         return said, "loosening it alone does not do"
     whole = {"variable": "of its range", "goal": "of the goal"}.get(culprit.kind, "")

@@ -105,10 +105,6 @@ def pareto(draft: Draft, plans: Sequence[GoalPlan]) -> int | None:
         if plan.sense == "match":
             message = "in a Pareto set a goal to match is a hard bound: leave its weight out"
             draft.wrong(("goals", plan.name, "weight"), message)
-    for name, one in draft.keys.variables.items():
-        if one.choices is not None:
-            message = "'choices' beside 'pareto' are not available in this version"
-            draft.wrong(("variables", name, "choices"), message, at_key=True)
     if not draft.names:
         draft.wrong(("pareto",), "a Pareto set needs design variables, and the spec has none", at_key=True)
     return keys.points

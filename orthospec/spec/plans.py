@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
@@ -71,6 +71,11 @@ class GoalPlan:
     def is_soft(self) -> bool:
         """Whether the goal may be missed, at a price."""
         return self.weight is None or isinstance(self.weight, Expression) or self.weight > 0
+
+    def depends_on_only(self, variables: Set[str]) -> bool:
+        """Whether the goal is about these variables alone: with them fixed it has one value."""
+        read = [one for one in (self.expression, self.goal) if isinstance(one, Expression)]
+        return not self.expression.extremes and all(one.names <= variables for one in read)
 
     def aimed(self, easier: float, weight: float) -> GoalPlan:
         """The same goal, by so much easier, with another weight."""
