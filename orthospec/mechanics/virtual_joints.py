@@ -118,6 +118,8 @@ def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
     """
     from orthospec import kernels
 
+    if not isinstance(reduced, np.ndarray):
+        return _over_boxes(reduced, wrenches)
     compliance, safe = kernels.chain_compliance(reduced, wrenches)
     if not safe.all():
         rest = np.flatnonzero(~safe)
@@ -127,6 +129,24 @@ def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
         rest = rest[finite]
         compliance[rest] = _by_forces(reduced[rest], wrenches[rest])
     return compliance
+
+
+def _over_boxes(reduced: Array, wrenches: Array) -> Matrices:
+    """C of intervals: (Σ Wᵀ D⁻¹ W)⁻¹, undefined where a chain or the platform may be singular.
+
+    Six wrenches hold the platform isostatically: then C = W⁻¹ D W⁻ᵀ with all W in one, which a great ratio of
+    stiffnesses does not make uncertain, nor a rigid chain undefined.
+    """
+    n, chains, m, _ = wrenches.shape
+    if chains * m == 6:
+        spread = np.linalg.inv(np.reshape(wrenches, (n, 6, 6)))
+        found = np.zeros_like(spread)
+        for i in range(chains):
+            part = spread[:, :, i * m : (i + 1) * m]
+            found += part @ reduced[:, i] @ np.swapaxes(part, 1, 2)
+        return found
+    stiffness = np.swapaxes(wrenches, 2, 3) @ np.linalg.inv(reduced) @ wrenches
+    return np.linalg.inv(np.sum(stiffness, axis=1))
 
 
 def _by_forces(reduced: Array, wrenches: Array) -> Matrices:
