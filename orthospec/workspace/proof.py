@@ -1,0 +1,268 @@
+"""Proof that bounds and reach hold at every pose of a cuboid, by branch and bound over boxes.
+
+Each box gets verified bounds on how far every condition may be exceeded in it (`Measure.enclosure`,
+`Manipulator.reach_enclosure`). Where that is not within the slack, the box is cut in two across the
+coordinate that changes the value most. A condition is
+
+    proved      in all boxes it is exceeded by no more than the slack
+    refuted     at a pose that was found it is exceeded by more, in plain arithmetic
+    undecided   the budget was spent before either, or the measure has no enclosure
+
+An excess is relative: to a bound's magnitude, or a margin of the reach as the machine gives it. Slack is for
+bounds and joint limits, on which designs end. The other margins of the reach have none: beyond 0 the
+machine cannot stand.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from orthospec.errors import OrthospecError
+from orthospec.intervals import Boxes, Interval
+from orthospec.manipulators import Manipulator
+from orthospec.measures import Demand
+from orthospec.measures.demand import ROUNDING, bounded_side
+from orthospec.workspace.conditions import Condition, conditions_of
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.machine import Machine
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Flags, Poses
+
+BATCH = 4096
+"""Boxes at a time."""
+MATTERS = 0.01
+"""A coordinate that changes a value by less than this part of what another one does matters little."""
+LONGER = 4.0
+"""By so much an edge along such a coordinate may be longer."""
+ALIKE = 0.9
+"""Edges of this part of the longest one count as long."""
+FINEST = 2.0**-40
+"""Boxes are cut down to this part of the cuboid's edge."""
+
+Verdict = Literal["proved", "refuted", "undecided"]
+
+
+@dataclass(frozen=True)
+class Budget:
+    """When to stop: undecided then. Only a count of boxes gives the same verdict on any day."""
+
+    boxes: int = 200_000
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What is known of one condition over a whole cuboid."""
+
+    condition: Condition
+    verdict: Verdict
+    boxes: int
+    """How many boxes were looked at, together with the other conditions on the same measure."""
+    excess: float
+    """By how much it is exceeded at most: proved; where it is refuted, at the pose that was found."""
+    at: tuple[float, ...] | None = None
+    """The pose that refutes it."""
+    why: str | None = None
+    """Why nothing is known of its measure over boxes."""
+
+
+class _Case(NamedTuple):
+    """Conditions that are computed together."""
+
+    conditions: tuple[Condition, ...]
+    slack: Array
+    """What each may be exceeded by (k,)."""
+    over: Callable[[Boxes], Array]
+    """Verified bounds on the excess of each in each box (k, n); NaN where nothing is known."""
+    at: Callable[[Poses], Array]
+    """The excess of each at poses (k, n), in plain arithmetic."""
+
+
+def prove(machine: Machine, cuboid: Cuboid, *, slack: float, budget: Budget | None = None) -> list[Claim]:
+    """One claim for each reach condition and each bound, in the order of `conditions_of`."""
+    budget = budget or Budget()
+    start = _whole(machine.manipulator, cuboid)
+    stop = None if budget.seconds is None else time.monotonic() + budget.seconds
+    claims: list[Claim] = []
+    for case in _cases(machine, start, slack):
+        out_of_reach = any(claim.verdict == "refuted" for claim in claims if claim.condition.kind == "joint")
+        claims += _Search(case, start, 0 if out_of_reach else budget.boxes, stop).run()
+    return claims
+
+
+def _whole(manipulator: Manipulator, cuboid: Cuboid) -> Boxes:
+    lo, hi = np.zeros((2, 1, len(manipulator.axes)))
+    lo[0, : len(cuboid.low)], hi[0, : len(cuboid.high)] = cuboid.low, cuboid.high
+    return Boxes(lo, hi)
+
+
+def _cases(machine: Machine, start: Boxes, slack: float) -> list[_Case]:
+    manipulator, demands = machine.manipulator, tuple(machine.demands.values())
+    conditions = conditions_of(manipulator, demands, start.lo)
+    reach = tuple(c for c in conditions if c.kind == "joint")
+    cases = [_reach_case(manipulator, reach, slack)]
+    for demand in demands:
+        bounds = tuple(c for c in conditions if c.kind == "bound" and c.name == demand.name)
+        cases.append(_bounds_case(manipulator, demand, bounds, slack))
+    return cases
+
+
+def _reach_case(manipulator: Manipulator, conditions: tuple[Condition, ...], slack: float) -> _Case:
+    def over(boxes: Boxes) -> Array:
+        margins = manipulator.reach_enclosure(boxes)
+        return np.stack([-margins[c.reach_key].lo for c in conditions])
+
+    def at(poses: Poses) -> Array:
+        margins = manipulator.reach(poses)
+        return np.stack([-margins[c.reach_key] for c in conditions])
+
+    return _Case(conditions, np.array([slack if c.side else 0.0 for c in conditions]), over, at)
+
+
+def _bounds_case(
+    manipulator: Manipulator, demand: Demand, conditions: tuple[Condition, ...], slack: float
+) -> _Case:
+    def excess(ends: Callable[[str], Array]) -> Array:
+        rows = []
+        for side, bound in demand.bounds.items():
+            sign = 1.0 if side == "at_most" else -1.0
+            rows.append(sign * (bounded_side(ends(side), side) - bound) / (abs(bound) or 1.0))
+        return np.stack(rows)
+
+    def over(boxes: Boxes) -> Array:
+        found = demand.measure.enclosure(manipulator, boxes)
+        if not isinstance(found, Interval):
+            raise _Unknown(f"{type(demand.measure).__name__} gives no enclosure")
+        if found.shape not in {(len(boxes),), (len(boxes), 2)}:
+            raise _Unknown(f"{type(demand.measure).__name__} gives an enclosure of shape {found.shape}")
+        known = excess(lambda side: found.hi if side == "at_most" else found.lo)
+        return known + ROUNDING * np.maximum(np.abs(known), 1.0)
+
+    def at(poses: Poses) -> Array:
+        values = demand.measure.values(manipulator, poses)
+        return excess(lambda _: values)
+
+    return _Case(conditions, np.full(len(conditions), slack), over, at)
+
+
+class _Unknown(Exception):
+    """Nothing is known of a measure over boxes."""
+
+
+class _Search:
+    """Branch and bound for the conditions of one case."""
+
+    def __init__(self, case: _Case, start: Boxes, most: int, stop: float | None) -> None:
+        self._case, self._start, self._most, self._stop = case, start, most, stop
+        edges = (start.hi - start.lo)[0]
+        self._edges, self._finest = np.where(edges > 0, edges, 1.0), FINEST * edges
+        self._boxes = 0
+        self._claims = [Claim(c, "undecided", 0, np.inf) for c in case.conditions]
+
+    def run(self) -> list[Claim]:
+        """The claims, when nothing is open or the budget is spent."""
+        proved = np.full(len(self._claims), -np.inf)
+        waiting = [(self._start, np.full((len(self._claims), 1), np.inf))]
+        stuck = self._claims == []
+        try:
+            while waiting and not stuck and self._may_go_on(len(waiting[0][0])):
+                boxes, _ = waiting.pop(0)
+                self._boxes += len(boxes)
+                excess = self._case.over(boxes)
+                is_open = ~(excess <= self._case.slack[:, None])
+                np.maximum(proved, np.where(is_open, -np.inf, excess).max(axis=1), out=proved)
+                is_open &= self._is_wanted()[:, None]
+                left = is_open.any(axis=0)
+                if left.any():
+                    rest = boxes[left]
+                    along = self._look_around(rest, excess[:, left], is_open[:, left])
+                    halves = rest.halves(along)
+                    stuck = bool((halves.hi - halves.lo <= 2 * self._finest).all(axis=1).any())
+                    waiting += _batches(halves, np.tile(excess[:, left], 2))
+        except Exception as error:
+            return [replace(claim, boxes=self._boxes, why=_reason(error)) for claim in self._claims]
+        return self._settled(proved, waiting)
+
+    def _may_go_on(self, more: int) -> bool:
+        """Within the budget, and not out of reach: beyond it there is little to prove."""
+        in_time = self._stop is None or time.monotonic() < self._stop
+        wanted = self._is_wanted()
+        within = wanted.all() or self._case.conditions[0].kind == "bound"
+        return bool(in_time and within and wanted.any() and self._boxes + more <= self._most)
+
+    def _is_wanted(self) -> Flags:
+        return np.array([claim.verdict != "refuted" for claim in self._claims])
+
+    def _look_around(self, boxes: Boxes, excess: Array, is_open: Flags) -> Array:
+        """The coordinate (n,) to cut for the worst open condition; what is refuted is noted on the way."""
+        n, d = boxes.lo.shape
+        rows = np.arange(n)
+        worst = np.where(is_open, np.nan_to_num(excess, nan=np.inf), -np.inf).argmax(axis=0)
+        centres, half = boxes.centres, (boxes.hi - boxes.lo) / 2
+        steps = half[:, None, :] * np.concatenate([np.eye(d), -np.eye(d)])
+        around = self._judged((centres[:, None, :] + steps).reshape(-1, d)).reshape(-1, n, 2, d)
+        change = (around[:, :, 0] - around[:, :, 1])[worst, rows]
+        self._judged(np.where(np.nan_to_num(change) >= 0, boxes.hi, boxes.lo))
+        return _across(change, half / self._edges, half > self._finest)
+
+    def _judged(self, poses: Poses) -> Array:
+        """The excess at poses of the cuboid (k, n), and a claim refuted where one is too great."""
+        poses = np.clip(poses, self._start.lo, self._start.hi)
+        poses.flags.writeable = False
+        excess = self._case.at(poses)
+        for k, row in enumerate(excess):
+            known = np.where(np.isnan(row), -np.inf, row)
+            i = int(known.argmax())
+            claim, found = self._claims[k], float(known[i])
+            refuted = found > self._case.slack[k] + ROUNDING
+            if refuted and (claim.verdict != "refuted" or found > claim.excess):
+                at = tuple(map(float, poses[i]))
+                self._claims[k] = replace(claim, verdict="refuted", excess=found, at=at)
+        return excess
+
+    def _settled(self, proved: Array, waiting: Sequence[tuple[Boxes, Array]]) -> list[Claim]:
+        left = np.concatenate([excess for _, excess in waiting], axis=1) if waiting else None
+        found = []
+        for k, claim in enumerate(self._claims):
+            if claim.verdict == "refuted":
+                settled = claim
+            else:
+                rest = np.array([]) if left is None else left[k][~(left[k] <= self._case.slack[k])]
+                worst = float(np.max(np.append(np.where(np.isnan(rest), np.inf, rest), proved[k])))
+                verdict: Verdict = "undecided" if len(rest) else "proved"
+                settled = replace(claim, verdict=verdict, excess=worst)
+            found.append(replace(settled, boxes=self._boxes))
+        return found
+
+
+def _across(change: Array, length: Array, can_be_cut: Flags) -> Array:
+    """The coordinate (n,) to cut: of the longest ones that of the greatest change.
+
+    What an enclosure is too wide by grows with the square of the edges, so that long thin boxes do not pay.
+    Along a coordinate that does not matter to the value an edge may stay longer, but still has its share.
+    """
+    size = np.where(np.isfinite(change), np.abs(change), np.inf)
+    matters = size >= MATTERS * size.max(axis=1, keepdims=True)
+    length = np.where(can_be_cut, np.where(matters, length, length / LONGER), 0.0)
+    longest = length >= ALIKE * length.max(axis=1, keepdims=True)
+    return np.where(longest & can_be_cut, size, -1.0).argmax(axis=1)
+
+
+def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
+    cuts = range(0, len(boxes), BATCH)
+    return [(boxes[i : i + BATCH], excess[:, i : i + BATCH]) for i in cuts]
+
+
+def _reason(error: Exception) -> str:
+    """The error's own words, or what a plugin raised and where."""
+    if isinstance(error, OrthospecError | _Unknown):
+        return str(error)
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{last.filename}:{last.lineno}: {type(error).__name__}: {error}"
