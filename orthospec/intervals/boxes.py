@@ -13,7 +13,9 @@ from orthospec.intervals.linear import Linear
 from orthospec.intervals.rounding import SPARE, TINY
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Poses
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Flags, Poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,11 +46,11 @@ class Boxes:
         form = Linear(centres, np.moveaxis(slopes, 0, -1), np.zeros((n, d)))
         return Interval(self.lo, self.hi, form)
 
-    def __getitem__(self, chosen: Array | slice) -> Boxes:
+    def __getitem__(self, chosen: Flags | slice) -> Boxes:
         """Some of the boxes."""
         return Boxes(self.lo[chosen], self.hi[chosen])
 
-    def halves(self, along: Array) -> Boxes:
+    def halves(self, along: NDArray[np.intp]) -> Boxes:
         """Each box cut in two across the coordinate that ``along`` (n,) names for it, (2n, d)."""
         rows, centres = np.arange(len(self)), self.centres
         middles = centres[rows, along]

@@ -69,7 +69,7 @@ def divide(x: Ends, y: Ends) -> Ends:
     lo, hi = outward(np.minimum(low[0], high[0]), np.maximum(low[1], high[1]))
     zero = straddles(y)
     if zero.any():
-        undefined = straddles(x)
+        undefined = straddles(x) | np.isnan(y[0])
         lo = np.where(zero, np.where(undefined, np.nan, -np.inf), lo)
         hi = np.where(zero, np.where(undefined, np.nan, np.inf), hi)
     return lo, hi

@@ -19,6 +19,7 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
@@ -33,6 +34,8 @@ from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from orthospec.arrays import Array, Flags, Poses
 
 BATCH = 4096
@@ -179,7 +182,7 @@ class _Search:
                 is_open = ~(excess <= self._case.slack[:, None])
                 np.maximum(proved, np.where(is_open, -np.inf, excess).max(axis=1), out=proved)
                 is_open &= self._is_wanted()[:, None]
-                left = is_open.any(axis=0)
+                left: Flags = np.any(is_open, axis=0)
                 if left.any():
                     rest = boxes[left]
                     along = self._look_around(rest, excess[:, left], is_open[:, left])
@@ -200,7 +203,7 @@ class _Search:
     def _is_wanted(self) -> Flags:
         return np.array([claim.verdict != "refuted" for claim in self._claims])
 
-    def _look_around(self, boxes: Boxes, excess: Array, is_open: Flags) -> Array:
+    def _look_around(self, boxes: Boxes, excess: Array, is_open: Flags) -> NDArray[np.intp]:
         """The coordinate (n,) to cut for the worst open condition; what is refuted is noted on the way."""
         n, d = boxes.lo.shape
         rows = np.arange(n)
@@ -242,7 +245,7 @@ class _Search:
         return found
 
 
-def _across(change: Array, length: Array, can_be_cut: Flags) -> Array:
+def _across(change: Array, length: Array, can_be_cut: Flags) -> NDArray[np.intp]:
     """The coordinate (n,) to cut: of the longest ones that of the greatest change.
 
     What an enclosure is too wide by grows with the square of the edges, so that long thin boxes do not pay.
@@ -252,7 +255,7 @@ def _across(change: Array, length: Array, can_be_cut: Flags) -> Array:
     matters = size >= MATTERS * size.max(axis=1, keepdims=True)
     length = np.where(can_be_cut, np.where(matters, length, length / LONGER), 0.0)
     longest = length >= ALIKE * length.max(axis=1, keepdims=True)
-    return np.where(longest & can_be_cut, size, -1.0).argmax(axis=1)
+    return np.asarray(np.where(longest & can_be_cut, size, -1.0).argmax(axis=1))
 
 
 def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
@@ -264,5 +267,6 @@ def _reason(error: Exception) -> str:
     """The error's own words, or what a plugin raised and where."""
     if isinstance(error, OrthospecError | _Unknown):
         return str(error)
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{last.filename}:{last.lineno}: {type(error).__name__}: {error}"
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith(str(Path(np.__file__).parent))]
+    return f"{own[-1].filename}:{own[-1].lineno}: {type(error).__name__}: {error}"
