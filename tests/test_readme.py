@@ -32,6 +32,7 @@ from orthospec.spec import load_spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting, evaluate
 from orthospec.workspace.machine import Machine
+from orthospec.workspace.proof import prove
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -253,6 +254,8 @@ def test_the_manual_s_planar_machine_has_its_largest_square(tmp_path: Path) -> N
     assert found.joint.cuboid is not None
     assert found.joint.scale * 0.1 == pytest.approx(0.4 * 2 / np.sqrt(10), rel=1e-7)
     assert found.joint.cuboid.low[1] == pytest.approx(0.4 / np.sqrt(10), rel=1e-7)
+    claims = prove(Machine(machine, {"isotropy": bound}), found.joint.cuboid, slack=1e-6)
+    assert [claim.verdict for claim in claims] == ["proved"] * 3
 
 
 def test_the_manual_s_planar_machine_gives_as_a_truss_does(tmp_path: Path) -> None:
