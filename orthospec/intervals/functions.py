@@ -28,10 +28,14 @@ def call_function(func: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[
     from orthospec.intervals import linalg
 
     found = _TABLE.get(func) or linalg.TABLE.get(func)
+    name = f"np.{'linalg.' if 'linalg' in func.__module__ else ''}{func.__name__}"
     if found is None:
-        raise refuse(f"np.{'linalg.' if 'linalg' in func.__module__ else ''}{func.__name__}", PLAIN)
+        raise refuse(name, PLAIN)
     with np.errstate(all="ignore"):
-        return found(*args, **kwargs)
+        try:
+            return found(*args, **kwargs)
+        except TypeError as error:  # Arguments that it does not know: never passed over in silence.
+            raise refuse(f"{name} with these arguments", PLAIN) from error
 
 
 # Rearranging.
@@ -88,9 +92,9 @@ def _on_parts(x: Interval, on: Callable[[Array, int], Array]) -> Interval:
     return Interval(on(x.lo, n), on(x.hi, n), form)
 
 
-def swapaxes(x: Interval, a: int, b: int) -> Interval:
+def swapaxes(x: Interval, axis1: int, axis2: int) -> Interval:
     """Two axes exchanged, as views."""
-    return _on_parts(x, lambda part, n: np.swapaxes(part, a % n, b % n))
+    return _on_parts(x, lambda part, n: np.swapaxes(part, axis1 % n, axis2 % n))
 
 
 def moveaxis(x: Interval, source: Any, destination: Any) -> Interval:
@@ -112,8 +116,9 @@ def _transpose(x: Interval, axes: Any = None) -> Interval:
 # Sums and products.
 
 
-def total(x: Any, axis: Any = None, keepdims: bool = False, **_: Any) -> Interval:
+def total(x: Any, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Interval:
     """The sum along axes."""
+    _check_plain(dtype, out)
     axes = tuple(range(x.ndim)) if axis is None else tuple(int(a) % x.ndim for a in np.atleast_1d(axis))
     found = ends.total(x.ends, axes, keepdims)
     if x.form is None:
@@ -123,12 +128,18 @@ def total(x: Any, axis: Any = None, keepdims: bool = False, **_: Any) -> Interva
     return Interval(*found, form).narrowed()
 
 
-def _mean(x: Interval, axis: Any = None, keepdims: bool = False) -> Any:
-    sums = total(x, axis, keepdims)
+def _check_plain(dtype: Any, out: Any) -> None:
+    if dtype not in (None, float) or out is not None:
+        raise refuse("a result of another type or in place", "leave out 'dtype' and 'out'")
+
+
+def _mean(x: Interval, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Any:
+    sums = total(x, axis, dtype, out, keepdims)
     return sums / (x.size / max(1, sums.size))
 
 
-def _prod(x: Interval, axis: Any = None, keepdims: bool = False) -> Any:
+def _prod(x: Interval, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Any:
+    _check_plain(dtype, out)
     if axis is None:
         x, axis = x.reshape(-1), 0
     found: Any = np.ones(())
@@ -148,21 +159,22 @@ def matmul(a: Any, b: Any) -> Any:
     return einsum(f"{left},{right}->{out}", a, b)
 
 
-def einsum(subscripts: Any, *operands: Any, **_: Any) -> Interval:
+def einsum(subscripts: Any, *operands: Any, out: Any = None, optimize: Any = None) -> Interval:  # noqa: ARG001
     """Sums of products of one or two arrays, in NumPy's notation."""
+    _check_plain(None, out)
     if not isinstance(subscripts, str) or len(operands) > 2:
         raise refuse("np.einsum of more than two arrays", "take them two at a time")
-    inputs, arrow, out = subscripts.replace(" ", "").partition("->")
+    inputs, arrow, result = subscripts.replace(" ", "").partition("->")
     if not arrow:
         letters = inputs.replace(",", "").replace("...", "")
-        out = "..." * ("..." in inputs) + "".join(sorted(s for s in set(letters) if letters.count(s) == 1))
+        result = "..." * ("..." in inputs) + "".join(sorted(s for s in set(letters) if letters.count(s) == 1))
     names = inputs.split(",")
     if len(operands) == 1:
-        return _sum_over(names[0], out, as_interval(operands[0]))
+        return _sum_over(names[0], result, as_interval(operands[0]))
     if operands[0] is operands[1] and names[0] == names[1]:
         squares: Any = np.square(operands[0])
-        return _sum_over(names[0], out, squares)
-    return _contract(names[0], names[1], out, as_interval(operands[0]), as_interval(operands[1]))
+        return _sum_over(names[0], result, squares)
+    return _contract(names[0], names[1], result, as_interval(operands[0]), as_interval(operands[1]))
 
 
 def _sum_over(name: str, out: str, x: Interval) -> Interval:
@@ -216,10 +228,10 @@ def diagonal(x: Interval, offset: int = 0, axis1: int = 0, axis2: int = 1) -> In
 
 
 def _trace(x: Interval, offset: int = 0, axis1: int = 0, axis2: int = 1) -> Any:
-    return total(diagonal(x, offset, axis1, axis2), -1)
+    return total(diagonal(x, offset, axis1, axis2), axis=-1)
 
 
-def _cross(a: Any, b: Any, axis: int = -1, **_: Any) -> Any:
+def _cross(a: Any, b: Any, *, axis: int = -1) -> Any:
     x, y = (moveaxis(as_interval(v), axis, 0) for v in (a, b))
     parts = [x[i] * y[j] - x[j] * y[i] for i, j in ((1, 2), (2, 0), (0, 1))]
     return np.stack(parts, axis=axis)
@@ -234,6 +246,8 @@ def _dot(a: Any, b: Any) -> Any:
 
 
 def _outer(a: Any, b: Any) -> Any:
+    if np.ndim(a) != 1 or np.ndim(b) != 1:
+        raise refuse("np.outer of stacked vectors", "write a[..., :, None] * b[..., None, :]")
     return einsum("i,j->ij", a, b)
 
 
@@ -269,13 +283,15 @@ def _where(condition: Any, x: Any, y: Any) -> Interval:
     return chosen(first, second, a, b, (picked[0], picked[1]))
 
 
-def _clip(x: Any, a_min: Any = None, a_max: Any = None, **_: Any) -> Any:
-    found = x if a_min is None else np.maximum(x, a_min)
-    return found if a_max is None else np.minimum(found, a_max)
+def _clip(x: Any, a_min: Any = None, a_max: Any = None, *, min: Any = None, max: Any = None) -> Any:
+    least, most = (a_min if min is None else min), (a_max if max is None else max)
+    found = x if least is None else np.maximum(x, least)
+    return found if most is None else np.minimum(found, most)
 
 
 def _extreme(reduce: Callable[..., Any], of_two: Callable[..., Any]) -> Callable[..., Interval]:
-    def apply(x: Interval, axis: Any = None, keepdims: bool = False, **_: Any) -> Interval:
+    def apply(x: Interval, axis: Any = None, out: Any = None, keepdims: bool = False) -> Interval:
+        _check_plain(None, out)
         if x.form is not None and isinstance(axis, int) and not keepdims:
             first: Any
             first, *others = moveaxis(x, axis, 0)
@@ -324,14 +340,12 @@ _TABLE: Mapping[Callable[..., Any], Callable[..., Any]] = {
     np.swapaxes: swapaxes,
     np.moveaxis: moveaxis,
     np.transpose: _transpose,
-    np.copy: lambda x, **_: x.copy(),
+    np.copy: lambda x: x.copy(),
     np.sum: total,
     np.mean: _mean,
     np.prod: _prod,
     np.einsum: einsum,
     np.dot: _dot,
-    np.vdot: _dot,
-    np.inner: lambda a, b: einsum("...j,...j->...", a, b),
     np.outer: _outer,
     np.cross: _cross,
     np.trace: _trace,

@@ -47,6 +47,10 @@ class _Dispatched(NDArrayOperatorsMixin):
         """Refused: an interval is no number."""
         raise refuse("an array of numbers (np.array, np.asarray, or what np.empty made)", STACK)
 
+    def __bool__(self) -> bool:
+        """Refused: an interval is neither true nor false."""
+        raise refuse("a choice by if, and or or", "np.where chooses between values")
+
     def __float__(self) -> float:
         """Refused: an interval is no number."""
         raise refuse("float()", PLAIN)
@@ -149,6 +153,8 @@ class Interval(_Dispatched):
     def __setitem__(self, key: Any, value: Any) -> None:
         """Put numbers or an interval in place of a part."""
         value = as_interval(value)
+        if self.lo is self.hi:
+            self.hi = self.hi.copy()
         self.lo[key], self.hi[key] = value.lo, value.hi
         if self.form is None and value.form is not None:
             self.form = _own(linear.flat(self.ends, value.coordinates))

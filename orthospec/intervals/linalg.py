@@ -75,7 +75,7 @@ def _approximate_inverse(matrices: Array) -> Array:
 
 
 def solve(a: Any, b: Any) -> Any:
-    """A⁻¹ b, b (..., m) or (..., m, k) as in NumPy."""
+    """A⁻¹ b, b (m,) or (..., m, k) as in NumPy."""
     return matmul(inverse(a), b)
 
 
@@ -275,7 +275,7 @@ def _norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> 
         return singular_values(np.moveaxis(x, axes, (-2, -1)))[..., 0]
     if ord in (1, np.inf) and len(axes) == 1:
         size = np.abs(x)
-        return size.sum(axis=axes[0], keepdims=keepdims) if ord == 1 else size.max(axis=axes[0])
+        return (size.sum if ord == 1 else size.max)(axis=int(axes[0]), keepdims=keepdims)
     raise refuse(f"np.linalg.norm with ord={ord!r}", PLAIN)
 
 
@@ -283,6 +283,10 @@ def _svd(x: Any, full_matrices: bool = True, compute_uv: bool = True, **_: Any) 
     if compute_uv:
         raise refuse("np.linalg.svd with vectors", "ask for singular values alone, compute_uv=False")
     return singular_values(x)
+
+
+def _eigvalsh(x: Any, UPLO: str = "L") -> Interval:
+    return symmetric_eigenvalues(x if UPLO == "L" else _transposed(x))
 
 
 def _cond(x: Any, p: Any = None) -> Any:
@@ -295,7 +299,7 @@ TABLE: Mapping[Callable[..., Any], Callable[..., Any]] = {
     np.linalg.inv: inverse,
     np.linalg.solve: solve,
     np.linalg.det: determinant,
-    np.linalg.eigvalsh: lambda x, *_, **__: symmetric_eigenvalues(x),
+    np.linalg.eigvalsh: _eigvalsh,
     np.linalg.svd: _svd,
     np.linalg.svdvals: singular_values,
     np.linalg.norm: _norm,

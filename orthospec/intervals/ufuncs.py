@@ -21,7 +21,8 @@ def call_ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: di
     """What a ufunc, or its reduction, comes to."""
     out = kwargs.pop("out", None)
     table: Mapping[np.ufunc, Callable[..., Any]] = _TABLE if method == "__call__" else functions.REDUCTIONS
-    if ufunc not in table or method not in {"__call__", "reduce"} or kwargs.get("where", True) is not True:
+    plain = kwargs.get("where", True) is True and "initial" not in kwargs
+    if ufunc not in table or method not in {"__call__", "reduce"} or not plain:
         raise refuse(f"np.{ufunc.__name__}" + ("" if method == "__call__" else f".{method}"), PLAIN)
     kwargs = {key: kwargs[key] for key in ("axis", "keepdims") if key in kwargs}
     if method == "reduce":
