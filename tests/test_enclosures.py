@@ -60,6 +60,13 @@ def machine(name):
         )
     if name == "orthoglide_branch":
         return Orthoglide(leg_lengths=(0.31, 0.33, 0.36), branch=(1, -1, 1), legs=PRPAR, **PARTS)
+    if name == "orthoglide_drives":
+        rigid = {"kind": "PRPaR", "spacing": 0.08, "section": {"compliance": np.zeros((6, 6)).tolist()}}
+        return Orthoglide(leg_lengths=(0.31,) * 3, legs=rigid, **{**PARTS, "feet": "rigid"})
+    if name in {"delta_vertical", "delta_star"}:
+        tilt = 0.0 if name == "delta_vertical" else np.pi / 2
+        keys = {"base_radius": 0.25, "platform_radius": 0.05, "rail_tilt": tilt}
+        return LinearDelta(leg_lengths=(0.4,) * 3, legs=PRPAR, **keys, **PARTS)
     delta = {"leg_lengths": (0.4, 0.43, 0.38), "base_radius": 0.25, "platform_radius": 0.06}
     legs, tilt = (PUU, 0.25) if name == "delta" else (PRPAR, -0.2)
     return LinearDelta(**delta, rail_tilt=tilt, legs=legs, **PARTS)
@@ -72,6 +79,12 @@ REGIONS = {
     "delta": ([-0.08, -0.08, -0.25], [0.08, 0.08, -0.1]),
     "delta_prpar": ([-0.08, -0.08, -0.25], [0.08, 0.08, -0.1]),
 }
+FURTHER = {
+    "orthoglide_drives": ([-0.12] * 3, [0.07] * 3),
+    "delta_vertical": ([-0.08, -0.08, -0.3], [0.08, 0.08, -0.2]),
+    "delta_star": ([-0.08, -0.08, -0.3], [0.08, 0.08, -0.2]),
+}
+ALL = {**REGIONS, **FURTHER}
 MEASURES = {
     "transmission": VelocityTransmission(),
     "condition": ConditionNumber(),
@@ -315,23 +328,23 @@ def test_what_lies_beyond_the_edge_is_not_claimed():
     assert margins["leg_1"].lo < 0 < margins["leg_1"].hi
 
 
-@pytest.mark.parametrize("name", REGIONS)
+@pytest.mark.parametrize("name", ALL)
 @pytest.mark.parametrize("measure", [*MEASURES, "moving"])
 def test_no_value_of_many_boxes_escapes(name, measure):
     known = {**MEASURES, "moving": ActuatorForce(acceleration=10, speed=1)}[measure]
-    boxes = boxes_in(REGIONS[name], [0.0, 1e-4, 0.01, 0.1, 0.4], 30)
+    boxes = boxes_in(ALL[name], [0.0, 1e-4, 0.01, 0.1, 0.4], 30)
     points = points_of(boxes, 6)
     found = known.enclosure(machine(name), boxes)
     values = known.values(machine(name), points.reshape(-1, 3))
     values = values.reshape(len(boxes), -1, *values.shape[1:])
     lo, hi = found.lo[:, None], found.hi[:, None]
     unclaimed = np.isnan(found.lo)
-    rounding = 1e-9 * np.abs(values)
+    rounding = 1e-9 * np.where(np.isfinite(values), np.abs(values), 0.0)
     assert ((lo <= values + rounding) & (values - rounding <= hi) | unclaimed[:, None]).all()
     assert not unclaimed[:90].any()
 
 
-@pytest.mark.parametrize("name", REGIONS)
+@pytest.mark.parametrize("name", ALL)
 def test_no_margin_of_the_reach_escapes(name):
     boxes = boxes_in(([-0.35] * 3, [0.35] * 3), [0.0, 1e-4, 0.01, 0.1, 0.4], 100)
     points = points_of(boxes, 9)

@@ -69,8 +69,9 @@ ENTRIES = Bilinear(
 
 def flat(x: Ends, d: int) -> Linear:
     """An interval as a form that knows nothing of u."""
-    middle = (x[0] + x[1]) / 2
-    radius = np.maximum(x[1] - middle, middle - x[0]) * SPARE + TINY
+    with np.errstate(all="ignore"):
+        middle = (x[0] + x[1]) / 2
+        radius = np.maximum(x[1] - middle, middle - x[0]) * SPARE + TINY
     return Linear(middle, np.zeros((*middle.shape, d)), radius)
 
 

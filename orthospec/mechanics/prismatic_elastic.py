@@ -126,6 +126,9 @@ def _bar(machine: PrismaticLegs, i: int, s: Array) -> _Bar:
 def _leg(springs: Springs, i: int, bar: _Bar) -> Array:
     """The leg's own compliance (k, w, w)."""
     C, c, s = springs.bars[i], bar.cosine, bar.sine
+    if not C.any():
+        count = 2 if springs.spacing is None else 3
+        return np.zeros_like(c, shape=(len(c), count, count))
     if springs.spacing is not None:
         return parallelogram_compliance(C, spacing=springs.spacing, cos=c, sin=s)
     found = np.empty_like(c, shape=(len(c), 2, 2))
