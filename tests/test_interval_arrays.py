@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orthospec.errors import NoEnclosure
-from orthospec.intervals import Boxes, Interval, linalg
+from orthospec.intervals import Boxes, Interval, eigenvalues
 
 N = 40
 CONSTANT = np.random.default_rng(9).normal(size=(3, 3))
@@ -140,7 +140,7 @@ def test_eigenvalues_against_fifty_digits(kind, width):
     boxes = Boxes(np.full((N, 3), -half), np.full((N, 3), half))
     A, B, over = symmetric_family(kind, boxes.poses, np.random.default_rng(3), N)
     found = np.linalg.eigvalsh(over)
-    ratio = linalg.eigenvalue_ratio(over)
+    ratio = eigenvalues.eigenvalue_ratio(over)
     u = np.random.default_rng(4).choice([-half, half, 0.3 * half], (N, 3))
     for i in range(N):
         exact = mpmath.matrix(A[i].tolist())
@@ -161,7 +161,7 @@ def test_extreme_eigenvalues_are_verified_to_rounding():
     for m in (1, 2, 3, 6):
         A = random.normal(size=(200, m, m)) * 10.0 ** random.uniform(-8, 8, (200, 1, 1))
         A = A + np.swapaxes(A, 1, 2)
-        lo, hi = linalg.extreme_eigenvalues(A)
+        lo, hi = eigenvalues.extreme_eigenvalues(A)
         values, size = np.linalg.eigvalsh(A), np.linalg.norm(A, axis=(1, 2))
         assert (lo <= values[:, 0]).all()
         assert (hi >= values[:, -1]).all()

@@ -1,24 +1,19 @@
-"""NumPy's functions of whole arrays on intervals: rearranging, sums and products of arrays, choices.
-
-A function that only rearranges entries is asked to rearrange their numbers, and the entries follow.
-"""
+"""NumPy's functions of whole arrays on intervals: sums and products of arrays, and choices."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orthospec.intervals import ends, linear
+from orthospec.intervals import ends, linear, rearranging
 from orthospec.intervals.interval import PLAIN, Interval, Undecided, as_interval
 from orthospec.intervals.linear import Bilinear, Linear
 from orthospec.intervals.refusal import refuse
 from orthospec.intervals.rounding import ULP
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from orthospec.arrays import Array
     from orthospec.intervals.ends import Ends
 
@@ -36,81 +31,6 @@ def call_function(func: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[
             return found(*args, **kwargs)
         except TypeError as error:  # Arguments that it does not know: never passed over in silence.
             raise refuse(f"{name} with these arguments", PLAIN) from error
-
-
-# Rearranging.
-
-
-def rearranged(arrays: Sequence[Interval], arrange: Callable[[list[NDArray[np.intp]]], Any]) -> Interval:
-    """The entries of the arrays, where ``arrange`` puts their numbers; −1 stands for 0."""
-    starts = np.cumsum([0, *(a.size for a in arrays)])
-    numbers = [np.arange(s, s + a.size).reshape(a.shape) for s, a in zip(starts, arrays, strict=False)]
-    where = arrange(numbers)
-    d = max(a.coordinates for a in arrays)
-
-    def gathered(parts: Sequence[Array], tail: tuple[int, ...]) -> Array:
-        flat = [part.reshape(-1, *tail) for part in parts] + [np.zeros((1, *tail))]
-        return np.asarray(np.concatenate(flat)[where])
-
-    form = None
-    if d:
-        forms = [a.form_over(d) for a in arrays]
-        form = Linear(
-            gathered([f.c for f in forms], ()),
-            gathered([f.g for f in forms], (d,)),
-            gathered([f.r for f in forms], ()),
-        )
-    return Interval(gathered([a.lo for a in arrays], ()), gathered([a.hi for a in arrays], ()), form)
-
-
-def _one(func: Callable[..., Any]) -> Callable[..., Any]:
-    def apply(x: Interval, *args: Any, **kwargs: Any) -> Interval:
-        return rearranged([x], lambda numbers: func(numbers[0], *args, **kwargs))
-
-    return apply
-
-
-def _many(func: Callable[..., Any]) -> Callable[..., Any]:
-    def apply(arrays: Any, *args: Any, **kwargs: Any) -> Interval:
-        parts = [as_interval(a) for a in arrays]
-        return rearranged(parts, lambda numbers: func(numbers, *args, **kwargs))
-
-    return apply
-
-
-def _pad(x: Interval, pad_width: Any, mode: str = "constant") -> Interval:
-    if mode != "constant":
-        raise refuse(f"np.pad with mode={mode!r}", "put the parts together with np.concatenate")
-    return rearranged([x], lambda numbers: np.pad(numbers[0], pad_width, constant_values=-1))
-
-
-def _on_parts(x: Interval, on: Callable[[Array, int], Array]) -> Interval:
-    """``on`` moves the axes of an array that has so many axes of its own, or one more at the end."""
-    n, form = x.ndim, x.form
-    if form is not None:
-        form = Linear(on(form.c, n), on(form.g, n), on(form.r, n))
-    return Interval(on(x.lo, n), on(x.hi, n), form)
-
-
-def swapaxes(x: Interval, axis1: int, axis2: int) -> Interval:
-    """Two axes exchanged, as views."""
-    return _on_parts(x, lambda part, n: np.swapaxes(part, axis1 % n, axis2 % n))
-
-
-def moveaxis(x: Interval, source: Any, destination: Any) -> Interval:
-    """Axes moved elsewhere, as views."""
-
-    def on(part: Array, n: int) -> Array:
-        return np.moveaxis(
-            part, *(tuple(int(i) % n for i in np.atleast_1d(s)) for s in (source, destination))
-        )
-
-    return _on_parts(x, on)
-
-
-def _transpose(x: Interval, axes: Any = None) -> Interval:
-    order = tuple(range(x.ndim))[::-1] if axes is None else tuple(int(a) % x.ndim for a in axes)
-    return _on_parts(x, lambda part, n: np.transpose(part, (*order, *range(n, part.ndim))))
 
 
 # Sums and products.
@@ -143,7 +63,7 @@ def _prod(x: Interval, axis: Any = None, dtype: Any = None, out: Any = None, kee
     if axis is None:
         x, axis = x.reshape(-1), 0
     found: Any = np.ones(())
-    for part in moveaxis(x, axis, 0):
+    for part in rearranging.moveaxis(x, axis, 0):
         found = found * part
     return np.expand_dims(found, axis) if keepdims else found
 
@@ -222,17 +142,12 @@ def _sizes(*named: tuple[str, Interval]) -> dict[str, int]:
     return sizes
 
 
-def diagonal(x: Interval, offset: int = 0, axis1: int = 0, axis2: int = 1) -> Interval:
-    """The diagonal of two axes, as the last axis."""
-    return rearranged([x], lambda numbers: np.diagonal(numbers[0], offset, axis1, axis2))
-
-
 def _trace(x: Interval, offset: int = 0, axis1: int = 0, axis2: int = 1) -> Any:
-    return total(diagonal(x, offset, axis1, axis2), axis=-1)
+    return total(rearranging.diagonal(x, offset, axis1, axis2), axis=-1)
 
 
 def _cross(a: Any, b: Any, *, axis: int = -1) -> Any:
-    x, y = (moveaxis(as_interval(v), axis, 0) for v in (a, b))
+    x, y = (rearranging.moveaxis(as_interval(v), axis, 0) for v in (a, b))
     parts = [x[i] * y[j] - x[j] * y[i] for i, j in ((1, 2), (2, 0), (0, 1))]
     return np.stack(parts, axis=axis)
 
@@ -294,7 +209,7 @@ def _extreme(reduce: Callable[..., Any], of_two: Callable[..., Any]) -> Callable
         _check_plain(None, out)
         if x.form is not None and isinstance(axis, int) and not keepdims:
             first: Any
-            first, *others = moveaxis(x, axis, 0)
+            first, *others = rearranging.moveaxis(x, axis, 0)
             for other in others:
                 first = of_two(first, other)
             return as_interval(first)
@@ -327,20 +242,8 @@ REDUCTIONS: Mapping[np.ufunc, Callable[..., Any]] = {
     np.logical_or: _truths("any"),
 }
 
-_REARRANGING = (
-    np.reshape, np.ravel, np.squeeze, np.expand_dims, np.broadcast_to, np.roll, np.flip, np.repeat, np.tile,
-    np.take, np.rot90,
-)  # fmt: skip
-_JOINING = (np.stack, np.concatenate, np.hstack, np.vstack, np.column_stack, np.dstack)
-
 _TABLE: Mapping[Callable[..., Any], Callable[..., Any]] = {
-    **{func: _one(func) for func in _REARRANGING},
-    **{func: _many(func) for func in _JOINING},
-    np.pad: _pad,
-    np.swapaxes: swapaxes,
-    np.moveaxis: moveaxis,
-    np.transpose: _transpose,
-    np.copy: lambda x: x.copy(),
+    **rearranging.TABLE,
     np.sum: total,
     np.mean: _mean,
     np.prod: _prod,
@@ -349,7 +252,6 @@ _TABLE: Mapping[Callable[..., Any], Callable[..., Any]] = {
     np.outer: _outer,
     np.cross: _cross,
     np.trace: _trace,
-    np.diagonal: diagonal,
     np.where: _where,
     np.clip: _clip,
     np.max: _extreme(np.max, np.maximum),

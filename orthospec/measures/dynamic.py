@@ -82,9 +82,9 @@ class DynamicIsotropy(Measure):
 
     def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
         """The set of G with a ratio up to k is convex: bounded at each box's corners."""
-        from orthospec.intervals import linalg
+        from orthospec.intervals import eigenvalues
 
-        return linalg.eigenvalue_ratio(_inertia(manipulator, boxes.poses))  # type: ignore[arg-type]
+        return eigenvalues.eigenvalue_ratio(_inertia(manipulator, boxes.poses))  # type: ignore[arg-type]
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(ln G) − λ_min(ln G) <= ln k."""

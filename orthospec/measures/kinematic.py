@@ -77,9 +77,9 @@ class VelocityTransmission(Measure):
 
     def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
         """Of 1/sqrt(λ(J⁻ᵀJ⁻¹))."""
-        from orthospec.intervals import linalg
+        from orthospec.intervals import eigenvalues
 
-        squares: Any = linalg.symmetric_eigenvalues(_gram(manipulator, boxes))
+        squares: Any = eigenvalues.symmetric_eigenvalues(_gram(manipulator, boxes))
         factors: Interval = 1.0 / np.sqrt(squares[:, [-1, 0]])
         return factors
 
@@ -107,9 +107,9 @@ class ConditionNumber(Measure):
 
     def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
         """Of the square root of the ratio of the eigenvalues of J⁻ᵀJ⁻¹."""
-        from orthospec.intervals import linalg
+        from orthospec.intervals import eigenvalues
 
-        ratio: Any = linalg.eigenvalue_ratio(_gram(manipulator, boxes))
+        ratio: Any = eigenvalues.eigenvalue_ratio(_gram(manipulator, boxes))
         root: Interval = np.sqrt(ratio)
         return root
 

@@ -8,30 +8,28 @@ coordinate that changes the value most. A condition is
     refuted     at a pose that was found it is exceeded by more, in plain arithmetic
     undecided   the budget was spent before either, or the measure has no enclosure
 
-An excess is relative: to a bound's magnitude, or a margin of the reach as the machine gives it. Slack is for
-bounds and joint limits, on which designs end. The other margins of the reach have none: beyond 0 the
-machine cannot stand.
+What an excess is relative to, and which conditions have slack, stands in `proof_cases`.
 """
 
 from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from orthospec.errors import OrthospecError
-from orthospec.intervals import Boxes, Interval
+from orthospec.intervals import Boxes
 from orthospec.manipulators import Manipulator
-from orthospec.measures import Demand
-from orthospec.measures.demand import ROUNDING, bounded_side
-from orthospec.workspace.conditions import Condition, conditions_of
+from orthospec.measures.demand import ROUNDING
+from orthospec.workspace.conditions import Condition
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
+from orthospec.workspace.proof_cases import Case, Unknown, cases_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -78,25 +76,13 @@ class Claim:
     """Why nothing is known of its measure over boxes."""
 
 
-class _Case(NamedTuple):
-    """Conditions that are computed together."""
-
-    conditions: tuple[Condition, ...]
-    slack: Array
-    """What each may be exceeded by (k,)."""
-    over: Callable[[Boxes], Array]
-    """Verified bounds on the excess of each in each box (k, n); NaN where nothing is known."""
-    at: Callable[[Poses], Array]
-    """The excess of each at poses (k, n), in plain arithmetic."""
-
-
 def prove(machine: Machine, cuboid: Cuboid, *, slack: float, budget: Budget | None = None) -> list[Claim]:
     """One claim for each reach condition and each bound, in the order of `conditions_of`."""
     budget = budget or Budget()
     start = _whole(machine.manipulator, cuboid)
     stop = None if budget.seconds is None else time.monotonic() + budget.seconds
     claims: list[Claim] = []
-    for case in _cases(machine, start, slack):
+    for case in cases_of(machine, start, slack):
         out_of_reach = any(claim.verdict == "refuted" for claim in claims if claim.condition.kind == "joint")
         claims += _Search(case, start, 0 if out_of_reach else budget.boxes, stop).run()
     return claims
@@ -108,64 +94,10 @@ def _whole(manipulator: Manipulator, cuboid: Cuboid) -> Boxes:
     return Boxes(lo, hi)
 
 
-def _cases(machine: Machine, start: Boxes, slack: float) -> list[_Case]:
-    manipulator, demands = machine.manipulator, tuple(machine.demands.values())
-    conditions = conditions_of(manipulator, demands, start.lo)
-    reach = tuple(c for c in conditions if c.kind == "joint")
-    cases = [_reach_case(manipulator, reach, slack)]
-    for demand in demands:
-        bounds = tuple(c for c in conditions if c.kind == "bound" and c.name == demand.name)
-        cases.append(_bounds_case(manipulator, demand, bounds, slack))
-    return cases
-
-
-def _reach_case(manipulator: Manipulator, conditions: tuple[Condition, ...], slack: float) -> _Case:
-    def over(boxes: Boxes) -> Array:
-        margins = manipulator.reach_enclosure(boxes)
-        return np.stack([-margins[c.reach_key].lo for c in conditions])
-
-    def at(poses: Poses) -> Array:
-        margins = manipulator.reach(poses)
-        return np.stack([-margins[c.reach_key] for c in conditions])
-
-    return _Case(conditions, np.array([slack if c.side else 0.0 for c in conditions]), over, at)
-
-
-def _bounds_case(
-    manipulator: Manipulator, demand: Demand, conditions: tuple[Condition, ...], slack: float
-) -> _Case:
-    def excess(ends: Callable[[str], Array]) -> Array:
-        rows = []
-        for side, bound in demand.bounds.items():
-            sign = 1.0 if side == "at_most" else -1.0
-            rows.append(sign * (bounded_side(ends(side), side) - bound) / (abs(bound) or 1.0))
-        return np.stack(rows)
-
-    def over(boxes: Boxes) -> Array:
-        found = demand.measure.enclosure(manipulator, boxes)
-        if not isinstance(found, Interval):
-            raise _Unknown(f"{type(demand.measure).__name__} gives no enclosure")
-        if found.shape not in {(len(boxes),), (len(boxes), 2)}:
-            raise _Unknown(f"{type(demand.measure).__name__} gives an enclosure of shape {found.shape}")
-        known = excess(lambda side: found.hi if side == "at_most" else found.lo)
-        with np.errstate(invalid="ignore"):
-            return np.asarray(known + ROUNDING * np.maximum(np.abs(known), 1.0))
-
-    def at(poses: Poses) -> Array:
-        values = demand.measure.values(manipulator, poses)
-        return excess(lambda _: values)
-
-    return _Case(conditions, np.full(len(conditions), slack), over, at)
-
-
-class _Unknown(Exception):
-    """Nothing is known of a measure over boxes."""
-
-
 class _Search:
     """Branch and bound for the conditions of one case."""
 
-    def __init__(self, case: _Case, start: Boxes, most: int, stop: float | None) -> None:
+    def __init__(self, case: Case, start: Boxes, most: int, stop: float | None) -> None:
         self._case, self._start, self._most, self._stop = case, start, most, stop
         edges = (start.hi - start.lo)[0]
         self._edges, self._finest = np.where(edges > 0, edges, 1.0), FINEST * edges
@@ -278,7 +210,7 @@ def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
 
 def _reason(error: Exception) -> str:
     """The error's own words, or what a plugin raised and where."""
-    if isinstance(error, OrthospecError | _Unknown):
+    if isinstance(error, OrthospecError | Unknown):
         return str(error)
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not frame.filename.startswith(str(Path(np.__file__).parent))]
