@@ -4,8 +4,8 @@ With R ≈ A⁻¹ at the middle and P = R A − I, of which |P| <= Q entry by en
 
     A⁻¹ = R − P R + P² (I + P)⁻¹ R,      |P² (I + P)⁻¹ R| <= (I − Q)⁻¹ Q² |R|,
 
-where Q w <= q w for some w > 0 and q < 1 (else nothing is known). The rest is of second order, and w follows
-the units of the rows.
+where Q w <= q w for some w > 0 and q < 1 (else nothing is known). The rest is of second order, and its bound
+follows the units of rows and columns.
 """
 
 from __future__ import annotations
@@ -25,13 +25,15 @@ from orthospec.intervals.eigenvalues import (
 from orthospec.intervals.functions import einsum, matmul
 from orthospec.intervals.interval import PLAIN, Interval, as_interval
 from orthospec.intervals.refusal import refuse
-from orthospec.intervals.rounding import FEW, SPARE, TINY
+from orthospec.intervals.rounding import SPARE, TINY
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
 
-PERRON = 4
+PERRON = 12
 """Rounds of power iteration for w; any w > 0 gives a bound."""
+LITTLE = 1e-30
+"""What keeps an entry of w from 0, relative."""
 
 
 def inverse(x: Any) -> Interval:
@@ -41,19 +43,29 @@ def inverse(x: Any) -> Interval:
     P = matmul(R, A) - np.eye(A.shape[-1])
     c, g, r = P.form_over(A.coordinates)
     Q = (np.abs(c) + np.abs(g).sum(axis=-1) + r) * SPARE
-    w = np.ones(Q.shape[:-1])
-    for _ in range(PERRON):
-        w = (Q @ w[..., None])[..., 0] + FEW * w + TINY
-        w /= w.max(axis=-1, keepdims=True)
-    w = np.maximum(w, FEW)
-    q = ((Q @ w[..., None])[..., 0] / w).max(axis=-1) * SPARE
     second = Q @ (Q @ np.abs(R)) * SPARE
     third = Q @ second * SPARE
-    tail = ((Q @ third) / w[..., None]).max(axis=-2, keepdims=True) / (1 - q)[..., None, None]
-    rest = (second + third + w[..., None] * tail * SPARE) * SPARE * SPARE
+    rest = (second + third + _later_terms(Q, third)) * SPARE
     found = R - matmul(P, R)
-    rest = np.where((q < 1)[..., None, None], rest, np.nan)
-    return _loosened(found, rest)
+    return _loosened(found, np.where(np.isfinite(rest), rest, np.nan))
+
+
+def _later_terms(Q: Array, term: Array) -> Array:
+    """A bound on Q T + Q² T + ..., T >= 0 (..., m, k); inf or NaN where the sum may not converge.
+
+    Q w <= q w with w > 0 and q < 1 shows that it does, to within w max_i (Q T)_i / w_i / (1 − q). A column T_j
+    with Q T_j <= q_j T_j is followed by q_j / (1 − q_j) T_j at most, whatever the units of its entries.
+    """
+    w = np.ones(Q.shape[:-1])
+    for _ in range(PERRON):
+        w = (Q @ w[..., None])[..., 0] + LITTLE * w + TINY
+        w /= w.max(axis=-1, keepdims=True)
+    q = ((Q @ w[..., None])[..., 0] / w).max(axis=-1)[..., None, None] * SPARE
+    after = Q @ term * SPARE
+    common = w[..., None] * (after / w[..., None]).max(axis=-2, keepdims=True) / (1 - q)
+    ratio = np.where(after > 0, after / term, 0.0).max(axis=-2, keepdims=True) * SPARE
+    own = np.where(ratio < 1, term * ratio / (1 - ratio), np.inf)
+    return np.where(q < 1, np.minimum(common, own) * SPARE, np.inf)
 
 
 def _loosened(x: Interval, rest: Array) -> Interval:
