@@ -53,8 +53,8 @@ def inverse(x: Any) -> Interval:
 def _later_terms(Q: Array, term: Array) -> Array:
     """A bound on Q T + Q² T + ..., T >= 0 (..., m, k); inf or NaN where the sum may not converge.
 
-    Q w <= q w with w > 0 and q < 1 shows that it does, to within w max_i (Q T)_i / w_i / (1 − q). A column T_j
-    with Q T_j <= q_j T_j is followed by q_j / (1 − q_j) T_j at most, whatever the units of its entries.
+    Q w <= q w with w > 0 and q < 1 shows that it does, to within w max_i (Q T)_i / w_i / (1 − q). A column
+    T_j with Q T_j <= q_j T_j is followed by q_j / (1 − q_j) T_j at most, whatever the units of its entries.
     """
     w = np.ones(Q.shape[:-1])
     for _ in range(PERRON):

@@ -168,8 +168,9 @@ def _over_boxes(reduced: Array, wrenches: Array) -> Matrices:
         bordered[:, chain, chain] = reduced[:, i]
         bordered[:, chain, count:] = wrenches[:, i]
         bordered[:, count:, chain] = np.swapaxes(wrenches[:, i], 1, 2)
-    found: Matrices = np.linalg.inv(bordered)
-    return -found[:, count:, count:]
+    inverse: Any = np.linalg.inv(bordered)
+    found: Matrices = -inverse[:, count:, count:]
+    return found
 
 
 def _by_forces(reduced: Array, wrenches: Array) -> Matrices:
