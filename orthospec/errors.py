@@ -102,3 +102,19 @@ class WorkersLost(OrthospecError):
     def __str__(self) -> str:
         """What was being done, and what may be the reason."""
         return f"stopped at '{self.task}': {self.why}"
+
+
+class NoEnclosure(OrthospecError):
+    """Code that cannot be carried over whole boxes of poses, so that nothing is proved of it."""
+
+    exit_code = 5
+
+    def __init__(self, place: str, what: str, instead: str) -> None:
+        self.place = place
+        self.what = what
+        self.instead = instead
+        super().__init__(place, what, instead)
+
+    def __str__(self) -> str:
+        """Where, what, and the way out."""
+        return f"{self.place}: {self.what} knows numbers only, not intervals: {self.instead}"

@@ -18,7 +18,9 @@ import yaml
 
 from orthospec import registry
 from orthospec.cli import app
+from orthospec.intervals import Boxes
 from orthospec.measures import Demand
+from orthospec.measures.elastic import Deflection
 from orthospec.measures.kinematic import ConditionNumber
 from orthospec.mechanics.materials import TABLE
 from orthospec.optimise import Outcome, solve
@@ -32,6 +34,7 @@ from orthospec.spec import load_spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting, evaluate
 from orthospec.workspace.machine import Machine
+from orthospec.workspace.proof import prove
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -253,6 +256,8 @@ def test_the_manual_s_planar_machine_has_its_largest_square(tmp_path: Path) -> N
     assert found.joint.cuboid is not None
     assert found.joint.scale * 0.1 == pytest.approx(0.4 * 2 / np.sqrt(10), rel=1e-7)
     assert found.joint.cuboid.low[1] == pytest.approx(0.4 / np.sqrt(10), rel=1e-7)
+    claims = prove(Machine(machine, {"isotropy": bound}), found.joint.cuboid, slack=1e-6)
+    assert [claim.verdict for claim in claims] == ["proved"] * 3
 
 
 def test_the_manual_s_planar_machine_gives_as_a_truss_does(tmp_path: Path) -> None:
@@ -267,6 +272,28 @@ def test_the_manual_s_planar_machine_gives_as_a_truss_does(tmp_path: Path) -> No
         legs = np.stack([pose[0] - ends, np.full(2, pose[1])], axis=1) / 0.4
         stiffness = sum(np.outer(u, u) / (u[0] ** 2 / 20e6 + along_leg) for u in legs)
         assert C[:2, :2] == pytest.approx(np.linalg.inv(stiffness), rel=1e-9, abs=1e-18)
+
+
+def test_the_manual_s_planar_machine_is_enclosed_without_a_line_for_it(tmp_path: Path) -> None:
+    sources = dict(blocks(ROOT / "docs" / "plugins.md", "python"))
+    base = imported("biglide", sources["module: biglide"], tmp_path).Biglide
+    compliance = imported("biglide_compliance", sources["module: biglide_compliance"], tmp_path)
+
+    class Elastic(base):  # type: ignore[misc, valid-type]
+        def compliance(self, poses: Any) -> Any:
+            sliders = self.inverse_kinematics(poses)[0]
+            return compliance.biglide_compliance(poses, sliders, self.leg_length, 20e6)
+
+    machine, measure = Elastic(leg_length=0.4), Deflection(force=100)
+    random = np.random.default_rng(0)
+    lo = random.uniform([-0.1, 0.15], [0.1, 0.3], (40, 2))
+    boxes = Boxes(lo, lo + random.choice([0.0, 1e-6, 1e-3], (40, 1)))
+    found = measure.enclosure(machine, boxes)
+    assert found is not None
+    for t in (0.0, 0.4, 1.0):
+        values = measure.values(machine, boxes.lo + t * (boxes.hi - boxes.lo))
+        assert ((found.lo <= values * (1 + 1e-9)) & (values * (1 - 1e-9) <= found.hi)).all()
+        assert (found.hi - found.lo <= 0.05 * values).all()
 
 
 def test_the_table_of_materials_is_the_one_in_use() -> None:

@@ -41,6 +41,8 @@ def symmetric_eigenvalues(matrices: Matrices) -> Array:
 
     To rounding of each matrix's norm, repeated eigenvalues included. A matrix that is not finite has NaN.
     """
+    if not isinstance(matrices, np.ndarray):  # Intervals, which take part in NumPy's functions.
+        return np.linalg.eigvalsh(matrices)
     matrices = np.ascontiguousarray(matrices, dtype=np.float64)
     if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
         raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, m, m)")

@@ -21,6 +21,7 @@ from orthospec.mechanics import inertia
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags, Joints, Matrices, Poses
+    from orthospec.intervals import Boxes, Interval
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,17 @@ class Manipulator(BaseModel, ABC):
         A key may end in ``.at_least`` or ``.at_most``, the side of the limit that it stands for. A margin
         relative to its limit (or to a length of the machine) makes one per cent of it mean something.
         """
+
+    def reach_enclosure(self, boxes: Boxes) -> Mapping[str, Interval]:
+        """Bounds on each margin of the reach at all poses of each box (n,).
+
+        Unless a machine has better ones, these are its own margins, computed with intervals for numbers.
+        Raises NoEnclosure where its code cannot be carried over intervals.
+        """
+        from orthospec.intervals import as_interval
+
+        margins = self.reach(boxes.poses)  # type: ignore[arg-type]
+        return {name: as_interval(margin) for name, margin in margins.items()}
 
     @abstractmethod
     def inverse_jacobian(self, poses: Poses) -> Matrices:
@@ -184,7 +196,7 @@ def remembering(method: Callable[[Any, Poses], Computed]) -> Callable[[Any, Pose
         if held is not None and held[0] is poses:
             return cast("Computed", held[1])
         value = method(self, poses)
-        if not poses.flags.writeable:
+        if not (isinstance(poses, np.ndarray) and poses.flags.writeable):
             self._memory[name] = (poses, value)
         return value
 

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Poses
+    from orthospec.intervals import Boxes, Interval
     from orthospec.manipulators import Manipulator
 
 
@@ -63,3 +64,14 @@ class Measure(BaseModel, ABC):
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm | None:  # noqa: ARG002
         """The convex form of one side; without one the logarithm of the value is linearised."""
         return None
+
+    def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval | None:
+        """Bounds on the values at all poses of each box, shaped as `values`; None where nothing is known.
+
+        Unless a measure has a better one, these are its own ``values``, computed with intervals for numbers.
+        Raises NoEnclosure where its code cannot be carried over intervals.
+        """
+        from orthospec.intervals import as_interval
+
+        found: object = self.values(manipulator, boxes.poses)  # type: ignore[arg-type]
+        return as_interval(found)

@@ -25,6 +25,7 @@ from orthospec.mechanics.inertia import at_tool
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Matrices, Poses
+    from orthospec.intervals import Boxes, Interval
     from orthospec.manipulators import Manipulator
 
 UNLIMITED = 1e30
@@ -78,6 +79,12 @@ class DynamicIsotropy(Measure):
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = masses[:, -1] / np.maximum(masses[:, 0], 0.0)
         return _or_if_singular(np.inf, ratio, manipulator, poses)
+
+    def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
+        """The set of G with a ratio up to k is convex: bounded at each box's corners."""
+        from orthospec.intervals import eigenvalues
+
+        return eigenvalues.eigenvalue_ratio(_inertia(manipulator, boxes.poses))  # type: ignore[arg-type]
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(ln G) − λ_min(ln G) <= ln k."""
@@ -140,7 +147,8 @@ class JointSpeed(Measure):
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """The joint speed [m/s] (n,)."""
         rows = manipulator.inverse_jacobian(poses)
-        return np.asarray(self.speed * np.linalg.norm(rows, axis=2).max(axis=1))
+        speeds: Array = self.speed * np.linalg.norm(rows, axis=2).max(axis=1)
+        return speeds
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """max ln(v ‖row_i(J⁻¹)‖) <= ln b."""
@@ -160,7 +168,8 @@ class ToolSpeed(Measure):
         rows = manipulator.inverse_jacobian(poses)
         with np.errstate(divide="ignore"):
             speeds = manipulator.actuator_limits().speeds / np.linalg.norm(rows, axis=2)
-        return np.asarray(speeds.min(axis=1))
+        least: Array = speeds.min(axis=1)
+        return least
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """min ln(v_i^max / ‖row_i(J⁻¹)‖) >= ln b."""
@@ -240,6 +249,8 @@ def _inertia(manipulator: Manipulator, poses: Poses) -> Matrices:
 
 def _or_if_singular(worst: float, values: Array, manipulator: Manipulator, poses: Poses) -> Array:
     """The values, the worst one in the place of NaN at a parallel singularity."""
+    if not isinstance(values, np.ndarray):  # Intervals are undefined there, and prove nothing.
+        return values
     unknown = np.flatnonzero(np.isnan(values))
     if not len(unknown):
         return values
@@ -255,7 +266,8 @@ def _or_if_singular(worst: float, values: Array, manipulator: Manipulator, poses
 def _force_rows(manipulator: Manipulator, poses: Poses) -> Matrices:
     """D J⁻¹ (n, m, d): actuator forces for a unit of acceleration of each pose coordinate."""
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.asarray(manipulator.joint_inertia(poses) @ manipulator.inverse_jacobian(poses))
+        rows: Matrices = manipulator.joint_inertia(poses) @ manipulator.inverse_jacobian(poses)
+    return rows
 
 
 def _forces_left(manipulator: Manipulator, poses: Poses) -> Array:
@@ -278,7 +290,8 @@ def _positive(part: Array) -> Array:
 def _gram(rows: Matrices, left: Array) -> Matrices:
     """AᵀA (n, d, d) of A = diag(1/t) D J⁻¹."""
     scaled = rows / left[:, :, None]
-    return np.asarray(np.swapaxes(scaled, 1, 2) @ scaled)
+    gram: Matrices = np.swapaxes(scaled, 1, 2) @ scaled
+    return gram
 
 
 def _greatest_force(pushes: Array, rest: Array, moving: Array) -> Array:
@@ -288,7 +301,8 @@ def _greatest_force(pushes: Array, rest: Array, moving: Array) -> Array:
     if d:
         spectrum = _eigenvalues(moving.reshape(n * m, d, d)).reshape(n, m, d)
         least, greatest = np.minimum(spectrum[:, :, 0], 0.0), np.maximum(spectrum[:, :, -1], 0.0)
-    return np.asarray((pushes + np.maximum(rest + greatest, -rest - least)).max(axis=1))
+    forces: Array = (pushes + np.maximum(rest + greatest, -rest - least)).max(axis=1)
+    return forces
 
 
 def _row_logarithms(matrices: Matrices) -> Array:

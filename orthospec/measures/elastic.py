@@ -178,12 +178,14 @@ def _check_load(**loads: object) -> None:
 
 
 def _is_loose(compliance: Matrices) -> Flags:
-    return np.asarray(np.isinf(compliance[:, 0, 0]))
+    loose: Flags = np.isinf(compliance[:, 0, 0])
+    return loose
 
 
 def _stiffness(compliance: Matrices, part: slice) -> Array:
     with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / greatest_compliance(compliance, part))
+        stiffness: Array = 1.0 / greatest_compliance(compliance, part)
+    return stiffness
 
 
 def _logarithm(compliance: Matrices, part: slice, load: float = 1.0) -> Matrices:
@@ -193,7 +195,8 @@ def _logarithm(compliance: Matrices, part: slice, load: float = 1.0) -> Matrices
 def _moved(compliance: Matrices, part: slice, wrench: Wrench | None) -> Array:
     """What a wrench moves (n, 3): the part of C w."""
     with np.errstate(invalid="ignore"):
-        return np.asarray(compliance[:, part] @ np.array(wrench, dtype=float))
+        moved: Array = compliance[:, part] @ np.array(wrench, dtype=float)
+    return moved
 
 
 def _length(moved: Array, compliance: Matrices) -> Array:

@@ -19,6 +19,7 @@ from orthospec.measures.base import ConvexForm, Measure, logarithm
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Matrices, Poses
+    from orthospec.intervals import Boxes, Interval
     from orthospec.manipulators import Manipulator
 
 
@@ -52,6 +53,13 @@ def _stretch(manipulator: Manipulator, poses: Poses) -> Matrices:
     return logarithmic_stretch(manipulator.inverse_jacobian(poses))
 
 
+def _gram(manipulator: Manipulator, boxes: Boxes) -> Interval:
+    """J⁻ᵀJ⁻¹ over boxes (n, m, m)."""
+    inverse: Any = manipulator.inverse_jacobian(boxes.poses)  # type: ignore[arg-type]
+    gram: Interval = np.swapaxes(inverse, 1, 2) @ inverse
+    return gram
+
+
 class VelocityTransmission(Measure):
     """Velocity transmission factors: least and greatest singular value of J = ∂p/∂ρ.
 
@@ -66,6 +74,14 @@ class VelocityTransmission(Measure):
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """σ_min(J) and σ_max(J), (n, 2)."""
         return transmission_factors(manipulator.inverse_jacobian(poses))[:, [0, -1]]
+
+    def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
+        """Of 1/sqrt(λ(J⁻ᵀJ⁻¹))."""
+        from orthospec.intervals import eigenvalues
+
+        squares: Any = eigenvalues.symmetric_eigenvalues(_gram(manipulator, boxes))
+        factors: Interval = 1.0 / np.sqrt(squares[:, [-1, 0]])
+        return factors
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:
         """λ_max(H) <= ln b, or λ_min(H) >= ln b."""
@@ -89,6 +105,14 @@ class ConditionNumber(Measure):
         with np.errstate(invalid="ignore"):
             return np.asarray(sigma[:, -1] / sigma[:, 0])
 
+    def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
+        """Of the square root of the ratio of the eigenvalues of J⁻ᵀJ⁻¹."""
+        from orthospec.intervals import eigenvalues
+
+        ratio: Any = eigenvalues.eigenvalue_ratio(_gram(manipulator, boxes))
+        root: Interval = np.sqrt(ratio)
+        return root
+
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(H) − λ_min(H) <= ln k."""
         return forms.ratio_of_eigenvalues(_stretch(manipulator, poses))
@@ -103,7 +127,8 @@ class Manipulability(Measure):
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """|det J|, (n,); inf at a parallel singularity."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(1.0 / np.abs(np.linalg.det(manipulator.inverse_jacobian(poses))))
+            volume: Array = 1.0 / np.abs(np.linalg.det(manipulator.inverse_jacobian(poses)))
+        return volume
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """tr H >= ln w."""

@@ -29,6 +29,8 @@ class _Inert(Protocol):
 
 def inverse(matrices: Matrices) -> Matrices:
     """Inverses (n, 3, 3) or of any size; not finite where a matrix is singular, where LAPACK would raise."""
+    if not isinstance(matrices, np.ndarray):  # Intervals know better than cofactors.
+        return np.linalg.inv(matrices)
     if matrices.shape[1:] != (3, 3):
         return _inverse_of_any_size(matrices)
     a, b, c = np.ascontiguousarray(np.moveaxis(matrices, 0, 2))
@@ -53,8 +55,8 @@ def _inverse_of_any_size(matrices: Matrices) -> Matrices:
 
 def at_tool(inverse_jacobian: Matrices, joint_inertia: Matrices) -> Matrices:
     """G = J⁻ᵀ D J⁻¹ (n, d, d), symmetric."""
-    found = np.swapaxes(inverse_jacobian, 1, 2) @ joint_inertia @ inverse_jacobian
-    return np.asarray((found + np.swapaxes(found, 1, 2)) / 2)
+    found: Matrices = np.swapaxes(inverse_jacobian, 1, 2) @ joint_inertia @ inverse_jacobian
+    return (found + np.swapaxes(found, 1, 2)) / 2
 
 
 def velocity_forces(machine: _Inert, poses: Poses) -> Array:

@@ -45,10 +45,10 @@ def parallelogram_compliance(bar: Array, *, spacing: float, cos: Array, sin: Arr
     c_x, c_xt = bar[0, 0], bar[0, 3] * cos - bar[0, 4] * sin
     c_t = bar[3, 3] * cos**2 - 2 * bar[3, 4] * sin * cos + bar[4, 4] * sin**2
     both = h[1, 1] + spacing**2 / 4 * c_t
-    share = np.divide(0.5, both, out=np.zeros_like(both), where=both > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(both > 0, 0.5 / both, 0.0)
         turn = -2 / (spacing * cos)
-        reduced = np.empty((len(cos), 3, 3))
+        reduced = np.empty_like(cos, shape=(len(cos), 3, 3))
         reduced[:, 0, 0] = c_x / 2 - spacing**2 / 4 * c_xt**2 * share
         reduced[:, 1, 1] = c_t * h[1, 1] * share
         reduced[:, 2, 2] = (h[0, 0] / 2 - h[0, 1] ** 2 * share) * turn**2

@@ -69,7 +69,7 @@ class Legs(NamedTuple):
 def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     """Close the loops of all legs at each pose."""
     offsets = machine.joints - machine.bases
-    p = np.ascontiguousarray(poses.T)
+    p = poses.T.copy()
     projected = machine.axes @ p + np.sum(offsets * machine.axes, axis=1)[:, None]
     square = np.sum(p * p, axis=0) + 2 * (offsets @ p) + np.sum(offsets**2, axis=1)[:, None]
     closing = machine.lengths[:, None] ** 2 - square + projected**2
@@ -85,17 +85,19 @@ def close(machine: PrismaticLegs, poses: Poses) -> Legs:
 def inverse_jacobian(legs: Legs) -> Matrices:
     """J⁻¹ (n, 3, 3): row i is s_iᵀ / (s_i·e_i); infinite or NaN at a serial singularity."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.ascontiguousarray(np.moveaxis(legs.s / legs.along[:, None, :], 2, 0))
+        return np.moveaxis(legs.s / legs.along[:, None, :], 2, 0).copy()
 
 
 def leg_margins(machine: PrismaticLegs, legs: Legs) -> Array:
     """(s_i·e_i / L_i)² less the clearance (3, n): >= 0 where leg i closes its loop, smooth in the pose."""
-    return np.asarray(legs.closing / machine.lengths[:, None] ** 2 - CLEARANCE**2)
+    margins: Array = legs.closing / machine.lengths[:, None] ** 2 - CLEARANCE**2
+    return margins
 
 
 def unit_legs(machine: PrismaticLegs, legs: Legs) -> Array:
     """β_i s_i / L_i (3, 3, n): the rows of J⁻¹ up to the positive factors |s_i·e_i| / L_i."""
-    return np.asarray(legs.s * (machine.branches / machine.lengths)[:, None, None])
+    units: Array = legs.s * (machine.branches / machine.lengths)[:, None, None]
+    return units
 
 
 def volume_margin(units: Array, home: Array) -> Array:
@@ -105,10 +107,11 @@ def volume_margin(units: Array, home: Array) -> Array:
     loses rank though a measure may stay finite.
     """
     a, b, c = units
-    volume = a[0] * (b[1] * c[2] - b[2] * c[1])
+    volume: Array = a[0] * (b[1] * c[2] - b[2] * c[1])
     volume += a[1] * (b[2] * c[0] - b[0] * c[2])
     volume += a[2] * (b[0] * c[1] - b[1] * c[0])
-    return np.asarray(np.sign(np.linalg.det(home)) * volume)
+    volume *= np.sign(np.linalg.det(home))
+    return volume
 
 
 def pairs_margin(units: Array, home: Array) -> Array:
@@ -121,4 +124,5 @@ def pairs_margin(units: Array, home: Array) -> Array:
     """
     n = np.linalg.inv(home).T @ units
     minors = [n[i, i] * n[j, j] - n[i, j] * n[j, i] for i, j in ((0, 1), (0, 2), (1, 2))]
-    return np.asarray(np.sum(minors, axis=0))
+    margin: Array = minors[0] + minors[1] + minors[2]
+    return margin

@@ -22,7 +22,7 @@ from orthospec.mechanics.parallelogram import parallelogram_compliance
 from orthospec.mechanics.virtual_joints import parallel_compliance, spring_at
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array
+    from orthospec.arrays import Array, Flags
     from orthospec.mechanics.prismatic import Legs, PrismaticLegs
 
 LOOSE = 1e-12
@@ -46,7 +46,7 @@ class Springs(NamedTuple):
 
 def compliance(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array:
     """C (n, 6, 6) at the tool; all inf where the machine is loose, NaN out of reach."""
-    found = np.empty((legs.poses, 6, 6))
+    found = np.empty_like(legs.s, shape=(legs.poses, 6, 6))
     is_rigid = not (springs.bars.any() or springs.feet.any())
     for start in range(0, legs.poses, BLOCK):
         part = slice(start, start + BLOCK)
@@ -63,14 +63,14 @@ def _through_drives(compliances: Array, wrenches: Array) -> Array:
     """
     forces, moments = wrenches[:, :, 0, :3], wrenches[:, :, 1:, 3:].reshape(len(wrenches), -1, 3)
     with np.errstate(divide="ignore", invalid="ignore"):
-        held = np.linalg.det(np.swapaxes(moments, 1, 2) @ moments) > LOOSE
+        held: Flags = np.linalg.det(np.swapaxes(moments, 1, 2) @ moments) > LOOSE
         stiffness = np.swapaxes(forces / compliances[:, :, 0, 0, None], 1, 2) @ forces
-    found = np.zeros((len(wrenches), 6, 6))
+    found = np.zeros_like(wrenches, shape=(len(wrenches), 6, 6))
     found[:, :3, :3] = inverse(stiffness)
-    known = np.isfinite(wrenches).all(axis=(1, 2, 3))
-    found[~(held & np.isfinite(found).all(axis=(1, 2)))] = np.inf
-    found[~known] = np.nan
-    return found
+    held &= np.isfinite(found).all(axis=(1, 2))
+    known: Flags = np.all(np.isfinite(wrenches), axis=(1, 2, 3))
+    found = np.where(held[:, None, None], found, np.inf)
+    return np.where(known[:, None, None], found, np.nan)
 
 
 def feet_in_space(machine: PrismaticLegs, foot: Array) -> Array:
@@ -87,7 +87,8 @@ def feet_in_space(machine: PrismaticLegs, foot: Array) -> Array:
 def _chains(machine: PrismaticLegs, springs: Springs, s: Array) -> tuple[Array, Array]:
     """Each chain's compliance (k, 3, w, w) to the wrenches (k, 3, w, 6) that it lets through, at the tool."""
     count = 2 if springs.spacing is None else 3
-    compliances, wrenches = np.zeros((s.shape[2], 3, count, count)), np.zeros((s.shape[2], 3, count, 6))
+    compliances = np.zeros_like(s, shape=(s.shape[2], 3, count, count))
+    wrenches = np.zeros_like(s, shape=(s.shape[2], 3, count, 6))
     for i in range(3):
         bar = _bar(machine, i, s[i])
         moments = (bar.t,) if springs.spacing is None else (bar.t, bar.z)
@@ -125,9 +126,12 @@ def _bar(machine: PrismaticLegs, i: int, s: Array) -> _Bar:
 def _leg(springs: Springs, i: int, bar: _Bar) -> Array:
     """The leg's own compliance (k, w, w)."""
     C, c, s = springs.bars[i], bar.cosine, bar.sine
+    if not C.any():
+        count = 2 if springs.spacing is None else 3
+        return np.zeros_like(c, shape=(len(c), count, count))
     if springs.spacing is not None:
         return parallelogram_compliance(C, spacing=springs.spacing, cos=c, sin=s)
-    found = np.empty((len(c), 2, 2))
+    found = np.empty_like(c, shape=(len(c), 2, 2))
     found[:, 0, 0] = C[0, 0]
     found[:, 0, 1] = found[:, 1, 0] = C[0, 4] * s - C[0, 3] * c
     found[:, 1, 1] = C[3, 3] * c**2 - 2 * C[3, 4] * c * s + C[4, 4] * s**2
@@ -151,4 +155,5 @@ def _crossing(a: Array) -> Array:
 
 
 def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.einsum("ik,ik->k", a, b))
+    found: Array = np.einsum("ik,ik->k", a, b)
+    return found

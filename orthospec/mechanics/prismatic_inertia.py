@@ -37,16 +37,17 @@ def joint_inertia(machine: PrismaticLegs, masses: Masses, J: Matrices) -> Matric
     m = masses.legs
     # At the joints j_i becomes unit vector i, and e_i becomes Jᵀ e_i.
     mixed = (m / 6)[:, None] * (machine.axes @ J)
-    found = (masses.platform + m.sum() / 3) * (np.swapaxes(J, 1, 2) @ J)
+    found: Matrices = (masses.platform + m.sum() / 3) * (np.swapaxes(J, 1, 2) @ J)
     found += mixed + np.swapaxes(mixed, 1, 2) + np.diag(masses.sliders + m / 3)
-    return np.asarray(found)
+    return found
 
 
 def rest_load(machine: PrismaticLegs, masses: Masses, J: Matrices, gravity: Array) -> Joints:
     """The actuator forces (n, 3) [N] that hold the machine still; gravity (3,) [m/s^2]."""
     at_sliders = (masses.sliders + masses.legs / 2) * (machine.axes @ gravity)
     at_tool = (masses.platform + masses.legs.sum() / 2) * gravity
-    return np.asarray(-at_sliders - at_tool @ J)
+    load: Joints = -at_sliders - at_tool @ J
+    return load
 
 
 def velocity_forces(machine: PrismaticLegs, masses: Masses, legs: Legs, J: Matrices) -> Array:
@@ -57,4 +58,5 @@ def velocity_forces(machine: PrismaticLegs, masses: Masses, legs: Legs, J: Matri
         H = -np.swapaxes(sway, 2, 3) @ sway / legs.along.T[:, :, None, None]
     # Row i: how the inertia of chain i's slider and leg against its slider's acceleration acts on each joint.
     coupling = np.diag(masses.sliders + m / 3) + (m / 6)[:, None] * (machine.axes @ J)
-    return np.asarray(np.einsum("nij,niab->njab", coupling, H))
+    forces: Array = np.einsum("nij,niab->njab", coupling, H)
+    return forces

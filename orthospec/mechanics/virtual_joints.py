@@ -19,12 +19,12 @@ K_i is the upper left block of the inverse of the bordered matrix in eq. 6 of Pa
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from orthospec.arrays import np
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Matrices
+    from orthospec.arrays import Array, Flags, Matrices
 
 LOOSE = 1e-12
 """Least singular value of the wrenches, beside the greatest, that counts as held."""
@@ -68,15 +68,17 @@ def spring_at(compliance: Array, frames: Array, arms: Array) -> Matrices:
     ``compliance`` (6, 6) is that of the link's end in the link's frame. The rows of ``frames`` (n, 3, 3) are
     that frame's axes, and ``arms`` (n, 3) [m] lead from the tool point to the link's end.
     """
-    axes = np.zeros((len(frames), 6, 6))
+    axes = np.zeros_like(frames, shape=(len(frames), 6, 6))
     axes[:, :3, :3] = axes[:, 3:, 3:] = frames
     turned = transported_twists(axes, arms[:, None, :])
-    return np.asarray(np.swapaxes(turned, 1, 2) @ compliance @ turned)
+    found: Matrices = np.swapaxes(turned, 1, 2) @ compliance @ turned
+    return found
 
 
 def actuator(twists: Array, compliance: float) -> Matrices:
     """The compliance of rank one (n, 6, 6) of an actuator that moves the tool by ``twists`` (n, 6) a unit."""
-    return np.asarray(compliance * twists[:, :, None] * twists[:, None, :])
+    found: Matrices = compliance * twists[:, :, None] * twists[:, None, :]
+    return found
 
 
 def transmitted_wrenches(passive: Array) -> Array:
@@ -85,6 +87,8 @@ def transmitted_wrenches(passive: Array) -> Array:
     m is 6 less the least rank of a pose; a pose of higher rank fills up with zero rows. So that metres and
     radians compare, lengths count in units of the twists' mean translation; in these units W is orthonormal.
     """
+    if not isinstance(passive, np.ndarray):
+        return _transmitted_over_boxes(passive)
     length = _length(passive[..., 3:], passive[..., :3])
     units = np.concatenate([np.repeat(1 / length, 3, axis=1), np.ones((len(passive), 3))], axis=1)[:, None, :]
     _, sizes, axes = np.linalg.svd(passive * units)
@@ -94,16 +98,35 @@ def transmitted_wrenches(passive: Array) -> Array:
     return np.asarray(axes[:, least:] * units * transmitted[:, :, None])
 
 
+def _transmitted_over_boxes(passive: Any) -> Array:
+    """W (n, m, 6) of interval twists: those at the middle, less what of them works on the twists elsewhere.
+
+    W = W_c − W_c Qᵀ (Q Qᵀ)⁻¹ Q, Q the twists that are not 0. Nothing is known where these are dependent: over
+    a box two twists are never seen to be the same.
+    """
+    middle = passive.form_over(passive.coordinates).c
+    first = transmitted_wrenches(middle)
+    free = ~np.all((passive.lo == 0) & (passive.hi == 0), axis=2)
+    Q = np.where(free[:, :, None], passive, 0.0)
+    gram = Q @ np.swapaxes(Q, 1, 2) + np.eye(middle.shape[1]) * ~free[:, :, None]
+    works = np.linalg.inv(gram) @ Q
+    nonzero = (first != 0).any(axis=2, keepdims=True)
+    known = nonzero[:, :, 0].sum(axis=1) == 6 - free.sum(axis=1)
+    found = np.where(nonzero, first - (first @ np.swapaxes(Q, 1, 2)) @ works, 0.0)
+    return np.where(known[:, None, None], found, np.nan)
+
+
 def reduced_compliance(compliance: Matrices, wrenches: Array) -> Matrices:
     """D = W C Wᵀ (n, m, m) of one chain, of unit compliance where W (n, m, 6) has a zero row."""
-    reduced = wrenches @ compliance @ np.swapaxes(wrenches, 1, 2)
-    return np.asarray(reduced + _unit_where_zero(wrenches))
+    reduced: Matrices = wrenches @ compliance @ np.swapaxes(wrenches, 1, 2)
+    return reduced + _unit_where_zero(wrenches)
 
 
 def chain_stiffness(compliance: Matrices, wrenches: Array) -> Matrices:
     """K_i = Wᵀ (W C Wᵀ)⁻¹ W (n, 6, 6) of a chain that no transmitted wrench (n, m, 6) finds rigid."""
     reduced = reduced_compliance(compliance, wrenches)
-    return np.asarray(np.swapaxes(wrenches, 1, 2) @ np.linalg.solve(reduced, wrenches))
+    stiffness: Matrices = np.swapaxes(wrenches, 1, 2) @ np.linalg.solve(reduced, wrenches)
+    return stiffness
 
 
 def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
@@ -118,6 +141,8 @@ def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
     """
     from orthospec import kernels
 
+    if not isinstance(reduced, np.ndarray):
+        return _over_boxes(reduced, wrenches)
     compliance, safe = kernels.chain_compliance(reduced, wrenches)
     if not safe.all():
         rest = np.flatnonzero(~safe)
@@ -127,6 +152,25 @@ def parallel_compliance(reduced: Array, wrenches: Array) -> Matrices:
         rest = rest[finite]
         compliance[rest] = _by_forces(reduced[rest], wrenches[rest])
     return compliance
+
+
+def _over_boxes(reduced: Array, wrenches: Array) -> Matrices:
+    """C of intervals: minus the lower right block of the inverse of [[D, W], [Wᵀ, 0]].
+
+    It is (Wᵀ D⁻¹ W)⁻¹, but no stiffness is added up: neither a great ratio of stiffnesses nor a rigid chain
+    does harm.
+    """
+    n, chains, m, _ = wrenches.shape
+    count = chains * m
+    bordered = np.zeros_like(wrenches, shape=(n, count + 6, count + 6))
+    for i in range(chains):
+        chain = slice(i * m, (i + 1) * m)
+        bordered[:, chain, chain] = reduced[:, i]
+        bordered[:, chain, count:] = wrenches[:, i]
+        bordered[:, count:, chain] = np.swapaxes(wrenches[:, i], 1, 2)
+    inverse: Any = np.linalg.inv(bordered)
+    found: Matrices = -inverse[:, count:, count:]
+    return found
 
 
 def _by_forces(reduced: Array, wrenches: Array) -> Matrices:
@@ -202,4 +246,5 @@ def _blocks(reduced: Array) -> Matrices:
 
 
 def _unit_where_zero(wrenches: Array) -> Matrices:
-    return np.asarray(np.eye(wrenches.shape[1]) * np.all(wrenches == 0, axis=2)[:, :, None])
+    zero: Flags = np.all(wrenches == 0, axis=2)
+    return np.where(zero[:, :, None], np.eye(wrenches.shape[1]), 0.0)

@@ -14,7 +14,10 @@ from orthospec.measures import Demand
 from orthospec.optimise import Outcome, evaluate_spec, solve
 from orthospec.registry import MEASURES, distribution_of
 from orthospec.spec import load_spec
+from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.field import measured
+from orthospec.workspace.machine import Machine
+from orthospec.workspace.proof import prove
 
 SPEC = Path(__file__).parent.parent / "specs" / "orthoglide-scales.yaml"
 LEG = 0.31
@@ -125,3 +128,13 @@ def test_a_machine_that_it_is_not_for_is_a_fault_with_its_name() -> None:
     demand = Demand("accuracy", JointError(error=5e-6), {"at_most": 12e-6}, place="spec.yaml:14:3")
     with pytest.raises(PluginFault, match=r"spec\.yaml:14:3: plugin JointError .* prismatic actuators"):
         measured(demand, Turning(leg_lengths=(LEG, LEG, LEG)), np.zeros((1, 3)))
+
+
+def test_the_bound_is_proved_at_every_pose_without_a_line_for_it() -> None:
+    """The largest cube of 12/5 times one error, corners on the diagonal; a larger bound than it has fails."""
+    low, high = (LEG * end for end in corners(12 / 5))
+    cube = Cuboid((low,) * 3, (high,) * 3)
+    for bound, verdict in ((12e-6, "proved"), (11.9e-6, "refuted")):
+        demand = Demand("accuracy", JointError(error=5e-6), {"at_most": bound})
+        claims = prove(Machine(machine(), {"accuracy": demand}), cube, slack=1e-4)
+        assert claims[-1].verdict == verdict

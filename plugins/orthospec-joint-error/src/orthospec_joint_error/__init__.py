@@ -7,7 +7,8 @@ variance e² Σ_i J_ki². Their sum is the mean square of the distance between t
 
     error = e ‖J‖_F = e sqrt(Σ_i 1/s_i²),      s_i the singular values of J⁻¹.
 
-Only numbers are given here, and no convex form: the optimiser linearises their logarithm.
+Only numbers are given here, and no convex form: the optimiser linearises their logarithm. Written with whole
+arrays, they hold for boxes of poses too, and a proof needs no more.
 """
 
 from __future__ import annotations
@@ -46,8 +47,7 @@ class JointError(Measure):
             raise ValueError("joint_error is for prismatic actuators and a tool that only translates")
         inverse = manipulator.inverse_jacobian(poses)
         known = np.isfinite(inverse).all(axis=(1, 2))
-        errors = np.full(len(poses), np.nan)
+        finite = np.where(known[:, None, None], inverse, 1.0)
         with np.errstate(divide="ignore"):
-            squares = np.linalg.svd(inverse[known], compute_uv=False) ** -2.0
-        errors[known] = self.error * np.sqrt(squares.sum(axis=1))
-        return errors
+            squares = np.linalg.svd(finite, compute_uv=False) ** -2.0
+        return np.where(known, self.error * np.sqrt(squares.sum(axis=1)), np.nan)

@@ -1,0 +1,59 @@
+"""Boxes of poses, many at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.intervals.interval import Interval
+from orthospec.intervals.linear import Linear
+from orthospec.intervals.rounding import SPARE, TINY
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Flags, Poses
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """All poses between ``lo`` and ``hi``, (n, d) each."""
+
+    lo: Poses
+    hi: Poses
+
+    def __len__(self) -> int:
+        """How many boxes there are."""
+        return len(self.lo)
+
+    @property
+    def centres(self) -> Poses:
+        """A pose in the middle of each box (n, d)."""
+        return np.asarray((self.lo + self.hi) / 2)
+
+    @cached_property
+    def poses(self) -> Interval:
+        """The boxes as an interval (n, d), which remembers what of a result depends on which coordinate."""
+        n, d = self.lo.shape
+        slopes = np.zeros((d, n, d))  # In memory the coordinates come first: long inner loops.
+        centres = self.centres
+        for k in range(d):
+            half = np.maximum(self.hi[:, k] - centres[:, k], centres[:, k] - self.lo[:, k])
+            slopes[k, :, k] = half * SPARE + TINY
+        form = Linear(centres, np.moveaxis(slopes, 0, -1), np.zeros((n, d)))
+        return Interval(self.lo, self.hi, form)
+
+    def __getitem__(self, chosen: Flags | slice) -> Boxes:
+        """Some of the boxes."""
+        return Boxes(self.lo[chosen], self.hi[chosen])
+
+    def halves(self, along: NDArray[np.intp]) -> Boxes:
+        """Each box cut in two across the coordinate that ``along`` (n,) names for it, (2n, d)."""
+        rows, centres = np.arange(len(self)), self.centres
+        middles = centres[rows, along]
+        lower, upper = self.hi.copy(), self.lo.copy()
+        lower[rows, along] = upper[rows, along] = middles
+        return Boxes(np.concatenate([self.lo, upper]), np.concatenate([lower, self.hi]))

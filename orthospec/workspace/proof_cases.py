@@ -1,0 +1,90 @@
+"""What a proof asks of each box: how far the conditions of one measure, or of the reach, may be exceeded.
+
+An excess is relative: to a bound's magnitude, or a margin of the reach as the machine gives it. Slack is for
+bounds and joint limits, on which designs end. The other margins of the reach have none: beyond 0 the
+machine cannot stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from orthospec.intervals import Boxes, Interval
+from orthospec.manipulators import Manipulator
+from orthospec.measures import Demand
+from orthospec.measures.demand import ROUNDING, bounded_side
+from orthospec.workspace.conditions import Condition, conditions_of
+from orthospec.workspace.machine import Machine
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Poses
+
+
+class Case(NamedTuple):
+    """Conditions that are computed together."""
+
+    conditions: tuple[Condition, ...]
+    slack: Array
+    """What each may be exceeded by (k,)."""
+    over: Callable[[Boxes], Array]
+    """Verified bounds on the excess of each in each box (k, n); NaN where nothing is known."""
+    at: Callable[[Poses], Array]
+    """The excess of each at poses (k, n), in plain arithmetic."""
+
+
+def cases_of(machine: Machine, start: Boxes, slack: float) -> list[Case]:
+    """The reach, then each demand: in all the order of `conditions_of`."""
+    manipulator, demands = machine.manipulator, tuple(machine.demands.values())
+    conditions = conditions_of(manipulator, demands, start.lo)
+    reach = tuple(c for c in conditions if c.kind == "joint")
+    cases = [_reach_case(manipulator, reach, slack)]
+    for demand in demands:
+        bounds = tuple(c for c in conditions if c.kind == "bound" and c.name == demand.name)
+        cases.append(_bounds_case(manipulator, demand, bounds, slack))
+    return cases
+
+
+def _reach_case(manipulator: Manipulator, conditions: tuple[Condition, ...], slack: float) -> Case:
+    def over(boxes: Boxes) -> Array:
+        margins = manipulator.reach_enclosure(boxes)
+        return np.stack([-margins[c.reach_key].lo for c in conditions])
+
+    def at(poses: Poses) -> Array:
+        margins = manipulator.reach(poses)
+        return np.stack([-margins[c.reach_key] for c in conditions])
+
+    return Case(conditions, np.array([slack if c.side else 0.0 for c in conditions]), over, at)
+
+
+def _bounds_case(
+    manipulator: Manipulator, demand: Demand, conditions: tuple[Condition, ...], slack: float
+) -> Case:
+    def excess(ends: Callable[[str], Array]) -> Array:
+        rows = []
+        for side, bound in demand.bounds.items():
+            sign = 1.0 if side == "at_most" else -1.0
+            rows.append(sign * (bounded_side(ends(side), side) - bound) / (abs(bound) or 1.0))
+        return np.stack(rows)
+
+    def over(boxes: Boxes) -> Array:
+        found = demand.measure.enclosure(manipulator, boxes)
+        if not isinstance(found, Interval):
+            raise Unknown(f"{type(demand.measure).__name__} gives no enclosure")
+        if found.shape not in {(len(boxes),), (len(boxes), 2)}:
+            raise Unknown(f"{type(demand.measure).__name__} gives an enclosure of shape {found.shape}")
+        known = excess(lambda side: found.hi if side == "at_most" else found.lo)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(known + ROUNDING * np.maximum(np.abs(known), 1.0))
+
+    def at(poses: Poses) -> Array:
+        values = demand.measure.values(manipulator, poses)
+        return excess(lambda _: values)
+
+    return Case(conditions, np.full(len(conditions), slack), over, at)
+
+
+class Unknown(Exception):
+    """Nothing is known of a measure over boxes."""

@@ -1,0 +1,179 @@
+"""Proof over cuboids: against closed forms for what holds, and against poses for what does not."""
+
+from __future__ import annotations
+
+import itertools
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.measures import Demand, Measure
+from orthospec.measures.dynamic import Acceleration, GieNorm
+from orthospec.measures.elastic import Deflection
+from orthospec.measures.kinematic import ConditionNumber, VelocityTransmission
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.machine import Machine
+from orthospec.workspace.proof import Budget, prove
+
+# With factors in [1/2, 2] the largest cube has its corners on the diagonal, at −L/√6 and L/√18.
+LEG = 0.2 / (1 / np.sqrt(6) + 1 / np.sqrt(18))
+LOW, HIGH = -LEG / np.sqrt(6), LEG / np.sqrt(18)
+CUBE = Cuboid((LOW,) * 3, (HIGH,) * 3)
+FACTORS = {"at_least": 0.5, "at_most": 2.0}
+LEGS = {"kind": "PUU", "material": "aluminium", "section": {"round": {"diameter": 0.02, "wall": 0.002}}}
+
+
+def orthoglide(**keys):
+    return Orthoglide(leg_lengths=(LEG,) * 3, **keys)
+
+
+def claims_of(manipulator, measure, bounds, cuboid=CUBE, slack=1e-3, **budget):
+    machine = Machine(manipulator, {"it": Demand("it", measure, bounds)})
+    found = prove(machine, cuboid, slack=slack, budget=Budget(**budget) if budget else None)
+    return {(c.condition.name, c.condition.side): c for c in found}
+
+
+def scaled(factor):
+    return Cuboid(*(tuple(factor * x for x in end) for end in (CUBE.low, CUBE.high)))
+
+
+@pytest.mark.parametrize("slack", [1e-3, 1e-6, 1e-9])
+def test_the_exact_cube_is_proved_within_any_slack(slack):
+    claims = claims_of(orthoglide(), VelocityTransmission(), FACTORS, slack=slack)
+    assert {claim.verdict for claim in claims.values()} == {"proved"}
+    both = [claims["it", side] for side in FACTORS]
+    assert both[0].boxes <= 1200  # With Weyl's inequality alone.
+    assert all(0 <= claim.excess <= slack for claim in both)  # The bounds hold with equality in two corners.
+
+
+def test_without_slack_what_holds_with_equality_stays_undecided():
+    claims = claims_of(orthoglide(), VelocityTransmission(), FACTORS, slack=0.0, boxes=2000)
+    assert claims["it", "at_most"].verdict == "undecided"
+    assert 0 < claims["it", "at_most"].excess < 1e-3
+    assert claims["it", "at_most"].at is None
+
+
+def test_a_cube_that_is_a_little_too_large_is_refuted_with_a_pose():
+    manipulator, cuboid = orthoglide(), scaled(1.002)
+    claims = claims_of(manipulator, VelocityTransmission(), FACTORS, cuboid)
+    refuted = claims["it", "at_most"]
+    assert refuted.verdict == "refuted"
+    pose = np.array([refuted.at])
+    assert (np.array(cuboid.low) <= pose).all()
+    assert (pose <= np.array(cuboid.high)).all()
+    factor = 1 / np.linalg.svd(manipulator.inverse_jacobian(pose), compute_uv=False)[0, -1]
+    assert factor > 2 * 1.001
+    assert refuted.excess == pytest.approx(factor / 2 - 1, rel=1e-9)
+
+
+def test_slack_is_relative_to_the_bound():
+    for bound, verdict in ((4.0, "proved"), (3.99, "proved"), (3.9, "refuted")):
+        claims = claims_of(orthoglide(), ConditionNumber(), {"at_most": bound}, slack=5e-3)
+        assert claims["it", "at_most"].verdict == verdict  # κ = 4 in the worst corner.
+
+
+def test_joint_limits_have_slack_and_singularities_none():
+    # Sliders of the exact cube: LOW + sqrt(L² − 2 LOW²) ... HIGH + sqrt(L² − 2 HIGH²) at its corners.
+    least = LOW + np.sqrt(LEG**2 - 2 * LOW**2)
+    for factor, verdict in ((1.0, "proved"), (1.0005, "proved"), (1.002, "refuted")):
+        limits = {"min": factor * least}
+        claims = claims_of(orthoglide(joint_limits=limits), ConditionNumber(), {"at_most": 5})
+        assert claims["joint_limits.0", "at_least"].verdict == verdict
+    beyond = Cuboid((-0.05,) * 3, (1.0001 * LEG / np.sqrt(6),) * 3)
+    claims = claims_of(orthoglide(), ConditionNumber(), {"at_most": 1e9}, beyond, boxes=20_000)
+    assert claims["singularity", None].verdict == "refuted"
+    assert claims["it", "at_most"].verdict == "undecided"
+    assert claims["it", "at_most"].boxes == 0
+
+
+def test_deflection_and_dynamics_over_the_cube():
+    """Bounds that hold with equality at the worst of a fine lattice, where these measures are greatest."""
+    parts = {"force": 100, "stiffness": 2e7, "mass": 2.0}
+    manipulator = orthoglide(legs=LEGS, actuators=parts, platform={"mass": 1.0})
+    lattice = np.array(list(itertools.product(np.linspace(LOW, HIGH, 9), repeat=3)))
+    for measure, side in (
+        (Deflection(force=50), "at_most"),
+        (GieNorm(), "at_most"),
+        (Acceleration(), "at_least"),
+    ):
+        values = measure.values(manipulator, lattice)
+        bound = values.max() if side == "at_most" else values.min()
+        claim = claims_of(manipulator, measure, {side: bound}, slack=1e-2)["it", side]
+        assert claim.verdict == "proved"
+        assert claim.boxes < 1000
+        worse = bound * (0.97 if side == "at_most" else 1.03)
+        claim = claims_of(manipulator, measure, {side: worse}, slack=1e-2)["it", side]
+        assert claim.verdict == "refuted"
+
+
+class Spike(Measure):
+    """A narrow peak: on the lattice of the search it is not to be seen."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator, poses):  # noqa: ARG002
+        distance = np.sum((poses - np.array([0.0123, -0.0456, 0.0321])) ** 2, axis=1)
+        return 1.0 + 1e-7 / (1e-7 + distance)
+
+
+def test_a_peak_between_the_nodes_of_any_lattice_is_found():
+    refuted = claims_of(orthoglide(), Spike(), {"at_most": 1.5})["it", "at_most"]
+    assert refuted.verdict == "refuted"
+    np.testing.assert_allclose(refuted.at, [0.0123, -0.0456, 0.0321], atol=1e-3)
+    assert claims_of(orthoglide(), Spike(), {"at_most": 2.0})["it", "at_most"].verdict == "proved"
+
+
+class Masked(Spike):
+    """Code for numbers only."""
+
+    def values(self, manipulator, poses):
+        found = np.zeros(len(poses))
+        found[:] = super().values(manipulator, poses)
+        return found
+
+
+class Faulty(Spike):
+    """Raises on anything but plain arrays."""
+
+    def values(self, manipulator, poses):
+        if not isinstance(poses, np.ndarray):
+            raise TypeError("an array was expected")
+        return super().values(manipulator, poses)
+
+
+class Silent(Spike):
+    """Has no enclosure to give."""
+
+    def enclosure(self, manipulator, boxes):  # noqa: ARG002
+        return None
+
+
+@pytest.mark.parametrize(
+    ("measure", "words"),
+    [(Masked(), "np.stack"), (Faulty(), "an array was expected"), (Silent(), "Silent gives no enclosure")],
+)
+def test_without_enclosure_nothing_is_claimed_and_the_reason_told(measure, words):
+    claim = claims_of(orthoglide(), measure, {"at_most": 2.0})["it", "at_most"]
+    assert claim.verdict == "undecided"
+    assert words in claim.why
+    if not isinstance(measure, Silent):
+        assert claim.why.startswith(f"{__file__}:")
+
+
+def test_budgets_end_the_search():
+    claims = claims_of(orthoglide(), VelocityTransmission(), FACTORS, boxes=50)
+    assert claims["it", "at_most"].verdict == "undecided"
+    assert claims["it", "at_most"].boxes <= 50
+    assert claims["it", "at_most"].excess > 1e-3
+    claims = claims_of(orthoglide(), VelocityTransmission(), FACTORS, seconds=0.0)
+    assert {claim.verdict for claim in claims.values()} == {"undecided"}
+
+
+def test_the_same_question_has_the_same_answer():
+    def first():
+        return claims_of(orthoglide(), VelocityTransmission(), FACTORS)
+
+    assert first() == first()
