@@ -108,7 +108,10 @@ def _sum_over(name: str, out: str, x: Interval) -> Interval:
     form = x.form
     if form is not None:
         form = linear.linear(form, lambda part: _einsum_tail(name, out, part, x.ndim), terms)
-    return Interval(lo, hi, form).narrowed()
+    found = Interval(lo, hi, form).narrowed()
+    if terms == 1:  # NumPy gives a view.
+        found.make_read_only()
+    return found
 
 
 def _einsum_tail(name: str, out: str, part: Array, own: int) -> Array:

@@ -6,8 +6,8 @@ With s_i = b_i + ρ_i e_i − p − c_i the loop closes where |s_i| = L_i (Merle
 
     ρ_i = d_i·e_i + β_i sqrt(L_i² − |d_i|² + (d_i·e_i)²),      d_i = p + c_i − b_i,
 
-with β_i = ±1 the branch, the sign of s_i·e_i. What L_i² loses is computed as |d_i − (d_i·e_i) e_i|²: so the way
-along the slide cancels, over boxes of poses too. Differentiating |s_i|² = L_i² gives row i of J⁻¹ = ∂ρ/∂p,
+with β_i = ±1 the branch, the sign of s_i·e_i. What L_i² loses is computed as |d_i − (d_i·e_i) e_i|²: so the
+way along the slide cancels, over boxes of poses too. Differentiating |s_i|² = L_i² gives row i of J⁻¹,
 
     s_iᵀ / (s_i·e_i).
 
