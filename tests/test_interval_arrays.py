@@ -48,6 +48,18 @@ def normalised(p):
     return q
 
 
+def written_through_views(p):
+    moved, scaled = p + 1.0, np.stack([p, 2 * p], axis=1)
+    first, turned = moved[:, 0], scaled.swapaxes(0, 1)
+    first += p[:, 1] ** 2
+    turned[1, :, 0] -= p[:, 2]
+    negated, same = -moved, np.einsum("nij->nji", scaled)
+    negated[:, 1] = 0.0
+    same = same * 1.0
+    same[:, 2] = p[:, :2]
+    return np.concatenate([moved * p, negated, p.copy(), scaled[:, 1], same[:, :, 0]], axis=1)
+
+
 ARRAYS = {
     "stack": matrices,
     "concatenate": lambda p: np.concatenate([p, p**2, np.ones((len(p), 1))], axis=1),
@@ -61,6 +73,7 @@ ARRAYS = {
     "broadcast": lambda p: np.broadcast_to(p[:, None, :], (len(p), 2, 3)) * np.arange(6.0).reshape(2, 3),
     "pad": lambda p: np.pad(p, [(0, 0), (1, 2)]) + 1,
     "fill": filled,
+    "views": written_through_views,
     "in place": normalised,
     "sum": lambda p: matrices(p).sum(axis=(1, 2)) + np.sum(p, axis=1) - p.mean(axis=1),
     "product": lambda p: np.prod(p + 2, axis=1),
@@ -73,7 +86,7 @@ ARRAYS = {
     "cross": lambda p: np.cross(p, p[:, [1, 2, 0]]) + np.cross(p, CONSTANT[0]),
     "trace": lambda p: np.trace(matrices(p), axis1=1, axis2=2),
     "where": lambda p: np.where(p > 0, p * p, -p),
-    "clip": lambda p: np.clip(p, -0.5, None) + np.clip(p, min=None, max=0.3),
+    "clip": lambda p: np.clip(p, -0.5, None) + np.clip(p, None, 0.3),
     "upper triangle": lambda p: np.linalg.eigvalsh(matrices(p), UPLO="U"),
     "norm": lambda p: np.linalg.norm(matrices(p), axis=2),
     "spectral norm": lambda p: np.linalg.norm(matrices(p), 2, axis=(1, 2)),
@@ -169,6 +182,21 @@ def test_extreme_eigenvalues_are_verified_to_rounding():
         assert (hi - values[:, -1] <= 1e-12 * size).all()
 
 
+def test_boxes_of_six_coordinates():
+    """More corners than are looked at: Weyl's inequality alone."""
+    boxes = boxes_of(1e-3, d=6)
+
+    def spectrum(p):
+        A = np.reshape(p[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]], (len(p), 3, 3))
+        return np.linalg.eigvalsh(A @ A + np.sin(A))
+
+    found = spectrum(boxes.poses)
+    for points in points_of(boxes, 10):
+        values = spectrum(points)
+        assert ((found.lo <= values + 1e-13) & (values <= found.hi + 1e-13)).all()
+    assert np.max(found.hi - found.lo) < 0.05
+
+
 def test_halves_cover_their_box():
     boxes = boxes_of(0.5)
     along = np.arange(N) % 3
@@ -189,6 +217,8 @@ REFUSED = {
     "other norm": (lambda p: np.linalg.norm(p, -1, axis=1), "ord=-1"),
     "powers of intervals": (lambda p: np.ones(3) ** p, "np.exp"),
     "sorting": (lambda p: np.sort(p, axis=1), "np.sort"),
+    "written poses": (lambda p: np.add(p, 1.0, out=p), "a = a + b"),
+    "written shape": (lambda p: np.add((p + 1).reshape(-1), 1.0, out=(p + 1).reshape(-1)), "a = a + b"),
     "truth": (lambda p: p or 1.0, "np.where"),
     "method": (lambda p: p.argmax(axis=1), ".argmax"),
 }

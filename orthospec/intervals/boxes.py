@@ -44,7 +44,9 @@ class Boxes:
             half = np.maximum(self.hi[:, k] - centres[:, k], centres[:, k] - self.lo[:, k])
             slopes[k, :, k] = half * SPARE + TINY
         form = Linear(centres, np.moveaxis(slopes, 0, -1), np.zeros((n, d)))
-        return Interval(self.lo, self.hi, form)
+        poses = Interval(self.lo.copy(), self.hi.copy(), form)
+        poses.make_read_only()
+        return poses
 
     def __getitem__(self, chosen: Flags | slice) -> Boxes:
         """Some of the boxes."""

@@ -108,7 +108,10 @@ def _sum_over(name: str, out: str, x: Interval) -> Interval:
     form = x.form
     if form is not None:
         form = linear.linear(form, lambda part: _einsum_tail(name, out, part, x.ndim), terms)
-    return Interval(lo, hi, form).narrowed()
+    sums = Interval(lo, hi, form).narrowed()
+    if terms == 1:  # NumPy gives a view.
+        sums.make_read_only()
+    return sums
 
 
 def _einsum_tail(name: str, out: str, part: Array, own: int) -> Array:

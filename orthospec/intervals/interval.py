@@ -153,16 +153,19 @@ class Interval(_Dispatched):
     def __setitem__(self, key: Any, value: Any) -> None:
         """Put numbers or an interval in place of a part."""
         value = as_interval(value)
-        if self.lo is self.hi:
-            self.hi = self.hi.copy()
+        if not self.lo.flags.writeable:
+            raise refuse("a view or block of poses, changed in place,", "write a = a + b in place of a += b")
         self.lo[key], self.hi[key] = value.lo, value.hi
         if self.form is None and value.form is not None:
             self.form = _own(linear.flat(self.ends, value.coordinates))
         if self.form is not None:
-            if not self.form.g.flags.writeable:
-                self.form = _own(self.form)
             form = value.form_over(self.coordinates)
             self.form.c[key], self.form.g[_before_last(key)], self.form.r[key] = form
+
+    def make_read_only(self) -> None:
+        """What is made from another array without being a view of it must not be written to."""
+        for part in (self.lo, self.hi, *(self.form or ())):
+            part.flags.writeable = False
 
     @property
     def T(self) -> Interval:

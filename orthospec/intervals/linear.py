@@ -84,7 +84,7 @@ def add(x: Linear, y: Linear | Array) -> Linear:
     """x + y."""
     if not isinstance(y, Linear):
         c = x.c + y
-        g = np.broadcast_to(x.g, (*c.shape, x.g.shape[-1]))
+        g = np.array(np.broadcast_to(x.g, (*c.shape, x.g.shape[-1])))
         return Linear(c, g, np.broadcast_to(x.r, c.shape) * SPARE + (ULP * np.abs(c) + TINY))
     c, g = x.c + y.c, x.g + y.g
     return _rounded(c, g, x.r + y.r, np.abs(c) + np.abs(g).sum(axis=-1))
@@ -92,7 +92,7 @@ def add(x: Linear, y: Linear | Array) -> Linear:
 
 def negative(x: Linear) -> Linear:
     """−x."""
-    return Linear(-x.c, -x.g, x.r)
+    return Linear(-x.c, -x.g, x.r.copy())
 
 
 def product(by: Bilinear, x: Linear | Array, y: Linear | Array) -> Linear:
@@ -131,7 +131,7 @@ def taylor(x: Linear, within: Ends, value: Array, slope: Array, bend: Ends) -> L
 
 def linear(x: Linear, on: Callable[[Array], Array], terms: int) -> Linear:
     """A sum of so many entries; ``on`` takes arrays with any axes after the quantity's own."""
-    return _rounded(on(x.c), on(x.g), on(x.r), on(_sizes(x)), terms)
+    return _rounded(np.array(on(x.c)), np.array(on(x.g)), on(x.r), on(_sizes(x)), terms)
 
 
 def _sizes(x: Linear) -> Array:

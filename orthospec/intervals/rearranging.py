@@ -43,8 +43,13 @@ def rearranged(arrays: Sequence[Interval], arrange: Callable[[list[NDArray[np.in
 
 
 def _one(func: Callable[..., Any]) -> Callable[..., Any]:
+    """NumPy gives views for many of these, and to write to one changes its array: here it is refused."""
+
     def apply(x: Interval, *args: Any, **kwargs: Any) -> Interval:
-        return rearranged([x], lambda numbers: func(numbers[0], *args, **kwargs))
+        found = rearranged([x], lambda numbers: func(numbers[0], *args, **kwargs))
+        if func in _VIEWING:
+            found.make_read_only()
+        return found
 
     return apply
 
@@ -94,13 +99,16 @@ def _transpose(x: Interval, axes: Any = None) -> Interval:
 
 def diagonal(x: Interval, offset: int = 0, axis1: int = 0, axis2: int = 1) -> Interval:
     """The diagonal of two axes, as the last axis."""
-    return rearranged([x], lambda numbers: np.diagonal(numbers[0], offset, axis1, axis2))
+    found = rearranged([x], lambda numbers: np.diagonal(numbers[0], offset, axis1, axis2))
+    found.make_read_only()
+    return found
 
 
 _REARRANGING = (
     np.reshape, np.ravel, np.squeeze, np.expand_dims, np.broadcast_to, np.roll, np.flip, np.repeat, np.tile,
     np.take, np.rot90,
 )  # fmt: skip
+_VIEWING = (np.reshape, np.ravel, np.squeeze, np.expand_dims, np.broadcast_to, np.flip, np.rot90)
 _JOINING = (np.stack, np.concatenate, np.hstack, np.vstack, np.column_stack, np.dstack)
 
 TABLE: Mapping[Callable[..., Any], Callable[..., Any]] = {

@@ -6,7 +6,8 @@ With s_i = b_i + ρ_i e_i − p − c_i the loop closes where |s_i| = L_i (Merle
 
     ρ_i = d_i·e_i + β_i sqrt(L_i² − |d_i|² + (d_i·e_i)²),      d_i = p + c_i − b_i,
 
-with β_i = ±1 the branch, the sign of s_i·e_i. Differentiating |s_i|² = L_i² gives row i of J⁻¹ = ∂ρ/∂p,
+with β_i = ±1 the branch, the sign of s_i·e_i. What L_i² loses is computed as |d_i − (d_i·e_i) e_i|²: so the
+way along the slide cancels, over boxes of poses too. Differentiating |s_i|² = L_i² gives row i of J⁻¹,
 
     s_iᵀ / (s_i·e_i).
 
@@ -71,14 +72,12 @@ def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     offsets = machine.joints - machine.bases
     p = poses.T.copy()
     projected = machine.axes @ p + np.sum(offsets * machine.axes, axis=1)[:, None]
-    square = np.sum(p * p, axis=0) + 2 * (offsets @ p) + np.sum(offsets**2, axis=1)[:, None]
-    closing = machine.lengths[:, None] ** 2 - square + projected**2
+    across = p + offsets[:, :, None] - projected[:, None, :] * machine.axes[:, :, None]
+    closing = machine.lengths[:, None] ** 2 - np.sum(across**2, axis=1)
     with np.errstate(invalid="ignore"):
         along = machine.branches[:, None] * np.sqrt(closing)
     rho = projected + along
-    s = rho[:, None, :] * machine.axes[:, :, None]
-    s -= p
-    s -= offsets[:, :, None]
+    s = along[:, None, :] * machine.axes[:, :, None] - across
     return Legs(rho.T, s, along, closing)
 
 

@@ -1,8 +1,8 @@
 """Proof that bounds and reach hold at every pose of a cuboid, by branch and bound over boxes.
 
 Each box gets verified bounds on how far every condition may be exceeded in it (`Measure.enclosure`,
-`Manipulator.reach_enclosure`). Where that is not within the slack, the box is cut in two across the
-coordinate that changes the value most. A condition is
+`Manipulator.reach_enclosure`). Where that is not within the slack, the box is cut in two across its longest
+edge, of several the one along which the value changes most. A condition is
 
     proved      in all boxes it is exceeded by no more than the slack
     refuted     at a pose that was found it is exceeded by more, in plain arithmetic
