@@ -198,6 +198,9 @@ def evaluate(
             help="Only tell what another bound does to the cuboids on the grid; repeatable.",
         ),
     ] = None,
+    prove: Annotated[
+        bool, typer.Option("--prove", help="Prove it at every pose, as a run does for the design it finds.")
+    ] = False,
     jobs: Jobs = 1,
     on: On = None,
     resume: Resume = False,
@@ -205,16 +208,16 @@ def evaluate(
     as_json: Json = False,
 ) -> int:
     """Measure one design: its cuboids, indices and extremes."""
-    from orthospec.optimise import evaluate_spec
+    from orthospec.optimise import evaluate_spec, with_proof
     from orthospec.result import check_destination
     from orthospec.show import ProgressLine
-    from orthospec.spec import load_spec
+    from orthospec.spec import ProofKeys, load_spec
 
     problem = load_spec(Path(spec), settings or [])
     values = problem.default_values() | _values(problem, at or "")
     if what_if:
-        if out is not None or fields:
-            raise UsageError("--what-if prints its answer and writes no result: leave -o and --fields out")
+        if out is not None or fields or prove:
+            raise UsageError("--what-if prints its answer alone: leave -o, --fields and --prove out")
         with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
             return _tell_what_if(problem, values, what_if, progress, workers, as_json)
     if out is not None:
@@ -223,6 +226,9 @@ def evaluate(
         raise UsageError("--fields writes into a result folder: give one with -o DIR")
     with _workers(jobs, on, cache, resume) as workers, ProgressLine(sys.stderr) as progress:
         outcome = evaluate_spec(problem, values, progress=progress, workers=workers)
+        if prove:
+            keys = problem.proof or ProofKeys()
+            outcome = with_proof(problem, outcome, keys, progress=progress, workers=workers)
         kept = _fields(problem, outcome, progress, workers) if fields else None
     return _hand_over(problem, outcome, out, kept, as_json)
 

@@ -35,26 +35,30 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def spec_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Spec]:
-    """A spec from its text; ``settings`` are KEY=VALUE overrides."""
+    """A spec from its text; ``settings`` are KEY=VALUE overrides. Proofs are made where the text says so."""
     folder = tmp_path_factory.mktemp("specs")
 
     def load(text: str, *settings: str) -> Spec:
         path = folder / "spec.yaml"
         path.write_text(text, encoding="utf-8")
-        return load_spec(path, settings)
+        return load_spec(path, settings if "proof:" in text else _unproved(settings))
 
     return load
 
 
+def _unproved(settings: tuple[str, ...]) -> tuple[str, ...]:
+    return settings if any(one.startswith("proof") for one in settings) else (*settings, "proof=false")
+
+
 @pytest.fixture(scope="session")
 def outcome_of() -> Callable[..., Outcome]:
-    """The outcome of a spec in ``specs/``, solved once a session."""
+    """The outcome of a spec in ``specs/``, solved once a session; proved only where a setting says how."""
     known: dict[tuple[str, ...], Outcome] = {}
 
     def find(name: str, *settings: str) -> Outcome:
         key = (name, *settings)
         if key not in known:
-            spec = load_spec(SPECS / f"{name}.yaml", settings)
+            spec = load_spec(SPECS / f"{name}.yaml", _unproved(settings))
             known[key] = solve(spec) if spec.variables else evaluate_spec(spec)
         return known[key]
 

@@ -180,3 +180,15 @@ def test_points_on_a_ridge_stay_where_they_are(known):
     places = {tuple(u) for u in peaks.u}
     assert len(places) <= 3 + (0 if known is None else len(known))
     assert known is None or {tuple(u) for u in known} <= places
+
+
+def test_of_many_known_points_the_greatest_count():
+    """A spike that no lattice meets, known beside more points of a plateau than are looked at."""
+    spike = np.array([0.123, 0.234, 0.345])
+
+    def functions(u):
+        return np.exp(-np.sum((u - spike) ** 2, axis=1, keepdims=True).T / 1e-8)
+
+    known = np.vstack([np.random.default_rng(0).uniform(-0.5, 0, (2 * MOST, 3)), spike])
+    assert find_peaks(functions, 3).greatest(1)[0] < 1e-6
+    assert find_peaks(functions, 3, known).greatest(1)[0] == pytest.approx(1.0)

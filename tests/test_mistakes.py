@@ -212,7 +212,9 @@ CHANGES = {
         "goals:", "sweep: {variable: bse, from: 1, to: 2}\ngoals:",
         ["17:19: unknown variable 'bse'; did you mean 'base'?"],
     ),
-    "a proof": ("goals:", "proof: {slack: 1e-3}\ngoals:", ["17:1: 'proof' is not available in this version"]),
+    "a proof without slack": (
+        "goals:", "proof: {slack: 0}\ngoals:", ["17:16: more than 0 was expected, 0 given"],
+    ),
     "a result to start from": (
         "use: orthoglide\n  leg_lengths: [base, base, third]", "from: solved/result.yaml",
         ["7:9: 'solved/result.yaml': no such file or directory"],

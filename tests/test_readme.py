@@ -210,7 +210,7 @@ def test_the_output_in_the_readme_is_what_is_printed(note: str, block: str, outc
     """Places of equal extremes and counts of nodes on a bound are left to the processor's rounding."""
     _, path, *options = shlex.split(note.removeprefix("output: "))
     settings = [option for option in options if option != "--set"]
-    outcome = outcome_of(Path(path).stem, *settings)
+    outcome = outcome_of(Path(path).stem, *settings, "proof.slack=1e-3")
     spec = load_spec(ROOT / path, settings)
     printed = show(compose(spec, outcome.finding), spec=spec, width=80, colour=False).splitlines()
     lines = [line for line in block.splitlines() if line and line != "..."]

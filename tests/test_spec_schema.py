@@ -40,7 +40,7 @@ poses: {Q0: [0, 0, 0]}
 sweep: {variable: base, from: 1, to: 3}
 optimise: {starts: 3, seed: 7}
 pareto: {points: 5}
-proof: false
+proof: {slack: 1e-4, boxes: 1000}
 """
 
 

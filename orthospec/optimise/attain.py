@@ -116,6 +116,22 @@ def finish(space: DesignSpace, begun: Attained, progress: Progress | None = None
     return replace(found, start=begun.start, iterates=begun.iterates + found.iterates)
 
 
+@dataclass(frozen=True)
+class Refuted:
+    """The end of a solve, and the poses at which proofs have found that something does not hold."""
+
+    end: Attained
+    poses: tuple[tuple[float, ...], ...]
+
+
+def refit(space: DesignSpace, refuted: Refuted, progress: Progress | None = None) -> Attained:
+    """Solve on from an end that was refuted, minding the poses that were found."""
+    before = refuted.end
+    fit = fit_at(space, before.end, before.learnt, pinned=np.array(refuted.poses))
+    found = _to_the_end(fit, before.subproblems, progress)
+    return replace(found, start=before.start, iterates=before.iterates + found.iterates)
+
+
 def attain(space: DesignSpace, place: Place, progress: Progress | None = None) -> Attained:
     """Solve from one place."""
     return _to_the_end(fit_at(space, place), 0, progress)
@@ -123,6 +139,7 @@ def attain(space: DesignSpace, place: Place, progress: Progress | None = None) -
 
 _PARTS = (Attained, Place, Group, Learnt, Extreme, Iterate, Pressure, Condition)
 BEGIN = Task("refining the better starts", begin, problem_of, _PARTS)
+REFIT = Task("solving on where a proof failed", refit, problem_of, _PARTS)
 FINISH = Task("solving from the best starts", finish, problem_of, _PARTS)
 
 

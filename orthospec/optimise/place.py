@@ -85,10 +85,12 @@ def fit_at(
     limits: Limits | None = None,
     shifts: Mapping[str, float] | None = None,
     relaxed: Mapping[Condition, float] | None = None,
+    pinned: Array | None = None,
 ) -> Fit:
     """The fit at a place; what its objective has ``learnt`` at the start of a solve is to be handed on.
 
-    ``limits``, ``shifts`` of goals and ``relaxed`` conditions change the problem, as for a price.
+    ``limits``, ``shifts`` of goals and ``relaxed`` conditions change the problem, as for a price; ``pinned``
+    poses are those that a proof has found.
     """
     z = place.design
     objective = GoalObjective(space, z, shifts)
@@ -102,6 +104,7 @@ def fit_at(
         bounded,
         (inside, place.scale),
         relaxed,
+        pinned,
     )
     if learnt is None:
         objective.settle(space.machine(inside), problem.layout.unpack(problem.start))

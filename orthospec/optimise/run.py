@@ -9,13 +9,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from orthospec.errors import PluginFault
-from orthospec.optimise.appraise import FRONT, SWEEP, Asked, appraised, asked, error_of
-from orthospec.optimise.attain import Attained
+from orthospec.optimise.appraise import FRONT, SWEEP, Appraisal, Asked, appraised, asked, error_of
+from orthospec.optimise.attain import REFIT, Attained, Refuted
 from orthospec.optimise.branch import beside_choices, catalogues, hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
@@ -23,6 +24,7 @@ from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.objective import goal_values
 from orthospec.optimise.pareto import find_front
+from orthospec.optimise.proofs import proved, refuting_poses
 from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Stopped, Task, machine_and_measures
@@ -38,14 +40,16 @@ from orthospec.result import (
     Search,
     Status,
 )
-from orthospec.spec import Design, Goal, Spec
-from orthospec.workspace.evaluate import Evaluation
+from orthospec.spec import Design, Goal, ProofKeys, Spec
+from orthospec.workspace.evaluate import Evaluation, Prescribed
 from orthospec.workspace.field import fields
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
     from orthospec.workspace.field import Progress
 
+REFITS = 5
+"""How often a design that a proof refutes is solved on."""
 ATTAINED = 1e-9
 """A goal counts as attained within this, relative."""
 
@@ -104,7 +108,10 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     """
     doing = workers or Here()
     if not spec.variables:
-        return evaluate_spec(spec, progress=progress, workers=doing)
+        outcome = evaluate_spec(spec, progress=progress, workers=doing)
+        if spec.proof is None:
+            return outcome
+        return with_proof(spec, outcome, spec.proof, progress=progress, workers=doing)
     clock = _Clock()
     try:
         branches = clock.time("optimise", lambda: hunt_branches(spec, doing, progress))
@@ -120,16 +127,8 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
             best = beside_choices(space, best, doing, progress)
         except KeyboardInterrupt:
             stopped = True
-    design = space.design(best.end.design) if best is not None else spec.design(spec.default_values())
-    prescribed = best.end.cuboids(space) if best is not None else None
-    quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
-    one = quick if stopped else asked(design, spec.workspace.divisions, prescribed)
-    try:
-        by = Here() if stopped else doing
-        evaluation, known = clock.time("evaluate", lambda: appraised(by, space, one, progress))
-    except KeyboardInterrupt:
-        stopped = True
-        evaluation, known = appraised(Here(), space, quick)
+    ending = _measured(space, best, doing, clock, progress, stopped)
+    best, design, evaluation, known, stopped = ending
     attainment = _attainment(design, evaluation)
     status = "unfinished" if stopped else _status(best, evaluation, attainment, known.faults)
     infeasible = status == "infeasible"
@@ -163,6 +162,76 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     errors = (*known.errors, *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)
     return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
+
+
+class _Ending(NamedTuple):
+    """The end of a search, measured."""
+
+    best: Attained | None
+    design: Design
+    evaluation: Evaluation
+    known: Appraisal
+    stopped: bool
+
+
+def _measured(
+    space: DesignSpace,
+    best: Attained | None,
+    workers: Workers,
+    clock: _Clock,
+    progress: Progress | None,
+    stopped: bool,
+) -> _Ending:
+    """The best design, or the spec's own, measured and proved.
+
+    Where the proof finds a pose at which it does not hold, the search goes on from there with that pose.
+    """
+    spec, poses = space.spec, tuple[tuple[float, ...], ...]()
+    for left in reversed(range(REFITS + 1)):
+        design = space.design(best.end.design) if best else spec.design(spec.default_values())
+        prescribed = best.end.cuboids(space) if best else None
+        quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
+        if stopped:
+            return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
+        one = asked(design, spec.workspace.divisions, prescribed)
+        try:
+            evaluation, known = clock.time("evaluate", partial(appraised, workers, space, one, progress))
+        except KeyboardInterrupt:
+            return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
+        if spec.proof is None:
+            break
+        point = [(design, evaluation)]
+        try:
+            (evaluation,) = clock.time("proof", partial(proved, workers, space, point, spec.proof, progress))
+            found = refuting_poses(evaluation)
+            if not (left and found and best and best.feasible):
+                break
+            poses = (*poses, *found)
+            again = [Refuted(best, poses)]
+            (best,) = clock.time("optimise", partial(in_order, workers, REFIT, space, again, progress))
+        except KeyboardInterrupt:
+            return _Ending(best, design, evaluation, known, stopped=True)
+    return _Ending(best, design, evaluation, known, stopped=False)
+
+
+def with_proof(
+    spec: Spec,
+    outcome: Outcome,
+    keys: ProofKeys,
+    *,
+    progress: Progress | None = None,
+    workers: Workers | None = None,
+) -> Outcome:
+    """An outcome with a proof beside each cuboid of its design; Ctrl-C leaves it out."""
+    clock, finding = _Clock(), outcome.finding
+    point = [(finding.design, finding.evaluation)]
+    work = partial(proved, workers or Here(), DesignSpace(spec), point, keys, progress)
+    try:
+        (evaluation,) = clock.time("proof", work)
+    except KeyboardInterrupt:
+        return replace(outcome, finding=replace(finding, status="unfinished"), interrupted=True)
+    outcome.log.setdefault("seconds", {}).update(clock.seconds)
+    return replace(outcome, finding=replace(finding, evaluation=evaluation))
 
 
 def fields_of(
@@ -267,16 +336,22 @@ def _front(
     ]
     soft = set(soft_goals(spec))
     measured = in_order(workers, FRONT, DesignSpace(spec), asks, progress)
+    told = [
+        (point, spec.design(design.values), known)
+        for point, design, known in zip(front.points, designs, measured, strict=True)
+        if known.error is None and known.evaluation is not None
+    ]
+    evaluations = [known.evaluation for _, _, known in told if known.evaluation is not None]
+    if spec.proof is not None:
+        pairs = [(design, one) for (_, design, _), one in zip(told, evaluations, strict=True)]
+        evaluations = proved(workers, DesignSpace(spec), pairs, spec.proof, progress, of=(Prescribed,))
     found = []
-    for point, values, known in zip(front.points, (one.values for one in designs), measured, strict=True):
-        if known.error is not None or known.evaluation is None:
-            continue
-        design = spec.design(values)
+    for (point, design, known), evaluation in zip(told, evaluations, strict=True):
         limits = find_limits(point.space, point.met.attained, workers, progress)
         kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
-        attainment = _attainment(design, known.evaluation)
-        status = _status(point.met.attained, known.evaluation, attainment, known.faults)
-        found.append(Finding(status, design, known.evaluation, attainment, kept, is_knee=point.is_knee))
+        attainment = _attainment(design, evaluation)
+        status = _status(point.met.attained, evaluation, attainment, known.faults)
+        found.append(Finding(status, design, evaluation, attainment, kept, is_knee=point.is_knee))
     return tuple(found), front.search
 
 

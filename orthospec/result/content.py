@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from orthospec.result.records import Attainment, Branch, Card, Finding, Limit, Search
     from orthospec.spec import Spec
     from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value
+    from orthospec.workspace.guarantee import Bracket, Proof
 
 ITSELF = "orthospec"
 
@@ -122,7 +123,7 @@ def _prescribed(prescribed: Prescribed | None) -> dict[str, Any] | None:
     if prescribed is None:
         return None
     low, high = _numbers(prescribed.cuboid.low), _numbers(prescribed.cuboid.high)
-    return {"min": low, "max": high, "holds": prescribed.holds}
+    return {"min": low, "max": high, "holds": prescribed.holds, **_given(proof=_proof(prescribed.proof))}
 
 
 def _largest(largest: Largest) -> dict[str, Any]:
@@ -134,6 +135,24 @@ def _largest(largest: Largest) -> dict[str, Any]:
         "min": None if cuboid is None else _numbers(cuboid.low),
         "max": None if cuboid is None else _numbers(cuboid.high),
         "nodes": dict(largest.nodes),
+        **_given(proved=_bracket(largest.proved), proof=_proof(largest.proof)),
+    }
+
+
+def _bracket(bracket: Bracket | None) -> dict[str, Any] | None:
+    return None if bracket is None else {"least": _known(bracket.least), "most": _known(bracket.most)}
+
+
+def _proof(proof: Proof | None) -> dict[str, Any] | None:
+    if proof is None:
+        return None
+    return {
+        "verdict": proof.verdict,
+        "slack": _number(proof.slack),
+        "boxes": proof.boxes,
+        "excess": _known(proof.excess),
+        "at": None if proof.at is None else _numbers(proof.at),
+        **_given(condition=proof.condition, why=proof.why),
     }
 
 

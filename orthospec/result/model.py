@@ -41,11 +41,40 @@ class Ends(_Record):
     max: list[float | None]
 
 
+class ProofRecord(_Record):
+    """What is proved of a cuboid: the reach and each bound, at every pose."""
+
+    verdict: str
+    """proved, refuted or undecided."""
+    slack: float
+    """By which part of a bound it may be exceeded."""
+    boxes: int
+    """How many boxes of poses were looked at."""
+    excess: float | None = None
+    """The greatest that is not ruled out, as a part of the bound."""
+    at: Pose | None = None
+    """The pose that refutes it."""
+    condition: str | None = None
+    """What is refuted or undecided."""
+    why: str | None = None
+    """Why nothing is known of it over boxes."""
+
+
+class BracketRecord(_Record):
+    """Proved ends of the scale of a largest cuboid; null where there is no proof."""
+
+    least: float | None
+    """A cuboid of this scale holds everywhere, without any slack."""
+    most: float | None
+    """No larger one fits anywhere."""
+
+
 class PrescribedRecord(Ends):
     """The prescribed cuboid where it stands."""
 
     holds: bool
     """Whether the reach and every bound hold everywhere in it."""
+    proof: ProofRecord | None = None
 
 
 class LargestRecord(_Record):
@@ -63,6 +92,9 @@ class LargestRecord(_Record):
     """Greatest coordinates of the polished cuboid."""
     nodes: dict[str, int]
     """How many nodes meet, violate, are unreachable, failed."""
+    proved: BracketRecord | None = None
+    proof: ProofRecord | None = None
+    """Over the polished cuboid."""
 
 
 class LevelRecord(LargestRecord):
@@ -84,6 +116,8 @@ class MeasureRecord(_Record):
 
     scale: float | None = None
     grid_scale: float | None = None
+    proved: BracketRecord | None = None
+    proof: ProofRecord | None = None
     lowest: ValueRecord | None = None
     """Over the prescribed cuboid; null where that leaves the reach."""
     highest: ValueRecord | None = None

@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from orthospec.result import Result
-from orthospec.result.model import DesignRecord, Ends, LargestRecord, MeasureRecord, PrescribedRecord
+from orthospec.result.model import (
+    DesignRecord,
+    Ends,
+    LargestRecord,
+    MeasureRecord,
+    PrescribedRecord,
+    ProofRecord,
+)
 from orthospec.show import machine, words
 from orthospec.show.labels import Labels, labels
 from orthospec.show.numbers import UNKNOWN, Numbers
@@ -129,6 +136,14 @@ class _Writer:
         text = f"{size}, {self.page.paint(*verdict)}"
         self.page.rows([("prescribed cuboid", text)], indent=indent)
         self._corners(place, indent + 2)
+        self._proof(place.proof, indent + 2)
+
+    def _proof(self, proof: ProofRecord | None, indent: int) -> None:
+        if proof is None:
+            return
+        at = None if proof.at is None else self.numbers.pose(proof.at, self.known.axes)
+        manner, said = words.proof(proof, at)
+        self.page.sentence(said, manner=manner, indent=indent)
 
     def _largest(self, largest: LargestRecord) -> None:
         if largest.min is None or largest.max is None:
@@ -140,6 +155,8 @@ class _Writer:
         places = f" in {largest.ties} places" if largest.ties > 1 else ""
         self.page.sentence(f"on the grid alone: scale {largest.grid_scale:.6g}{places}", indent=4)
         self.page.sentence(f"nodes: {words.nodes(largest.nodes)}", indent=4)
+        if largest.proved is not None:
+            self.page.sentence(words.between(largest.proved), indent=4)
 
     def _corners(self, ends: Ends, indent: int) -> None:
         for label, corner in (("from", ends.min), ("to  ", ends.max)):

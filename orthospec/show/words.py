@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 
 from orthospec.result import Result
 from orthospec.result.model import (
+    BracketRecord,
     BranchRecord,
     CardRecord,
     CulpritRecord,
     DesignRecord,
     FrontSearchRecord,
     LimitRecord,
+    ProofRecord,
     SearchRecord,
 )
 from orthospec.show import machine
@@ -56,9 +58,9 @@ def searched(search: SearchRecord) -> str:
     return f"{said} The best point found misses its bounds by {worst}; it is what follows."
 
 
-def counted(number: int, name: str) -> str:
+def counted(number: int, name: str, several: str | None = None) -> str:
     """``1 place``, ``2 places``."""
-    return f"{number} {name}{'' if number == 1 else 's'}"
+    return f"{number} {name if number == 1 else several or f'{name}s'}"
 
 
 def searched_for_front(search: FrontSearchRecord) -> str:
@@ -68,6 +70,29 @@ def searched_for_front(search: FrontSearchRecord) -> str:
         f"; {search.left_out} more cannot be better than another combination's" if search.left_out else ""
     )
     return f"The best of {few}, which met {search.met} points{beaten}."
+
+
+def proof(one: ProofRecord, at: str | None) -> tuple[str, str]:
+    """In which manner, and with which words, a verdict is told."""
+    within, boxes = percent(one.slack), counted(one.boxes, "box", "boxes")
+    if one.verdict == "proved":
+        return "good", f"proved: it holds within {within} at every pose ({boxes})"
+    beyond = "" if one.excess is None else f" by {percent(one.excess)}"
+    if one.verdict == "refuted":
+        return "bad", f"refuted: {one.condition} is exceeded{beyond} at {at}"
+    if one.why is not None:
+        return "warn", f"not proved: nothing is known of {one.condition} between poses: {one.why}"
+    ruled_out = f"; more than{beyond[3:]} is ruled out" if beyond else ""
+    return "warn", f"not proved within {within} in {boxes}: {one.condition}{ruled_out}"
+
+
+def between(ends: BracketRecord) -> str:
+    """The proved ends of a scale."""
+    if ends.least is None and ends.most is None:
+        return "proved of the scale: nothing"
+    least = "" if ends.least is None else f"at least {ends.least:.7g}"
+    most = "" if ends.most is None else f"at most {ends.most:.7g}"
+    return f"proved of the scale: {' and '.join(part for part in (least, most) if part)}"
 
 
 def holds(one: DesignRecord) -> bool:

@@ -13,7 +13,6 @@ def check(draft: Draft) -> None:
     given = {
         ("manipulator", "tolerance"): keys.manipulator.tolerance,
         ("workspace", "orientation"): keys.workspace.orientation,
-        ("proof",): keys.proof or None,
     }
     for path, value in given.items():
         if value is not None:

@@ -84,6 +84,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
         sweep=sweep,
         optimise=draft.keys.optimise,
         pareto=pareto,
+        proof=draft.keys.proof or None,
         source=source,
         solved=taken,
         document=document,

@@ -195,6 +195,8 @@ class ProofKeys(_Keys):
 
     slack: Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)] = 1e-3
     """Relative slack on the bounds."""
+    boxes: Count = 50_000
+    """Most boxes of poses, or of placements, that one proof may take."""
 
 
 class SpecKeys(_Keys):
@@ -224,5 +226,5 @@ class SpecKeys(_Keys):
     """How the optimiser searches."""
     pareto: ParetoKeys | None = None
     """Look for a Pareto set."""
-    proof: ProofKeys | Literal[False] = False
+    proof: ProofKeys | Literal[False] = ProofKeys()
     """Prove the bounds; false leaves it out."""

@@ -15,7 +15,7 @@ from orthospec.quantities.fields import read
 from orthospec.spec.blueprint import Blueprint, Refused
 from orthospec.spec.design import Design, Sweep, Variable, Workspace
 from orthospec.spec.document import Document, Path
-from orthospec.spec.model import OptimiseKeys
+from orthospec.spec.model import OptimiseKeys, ProofKeys
 from orthospec.spec.plans import DemandPlan, GoalPlan, Reading
 from orthospec.spec.solved import Solved
 
@@ -38,6 +38,8 @@ class Spec:
     optimise: OptimiseKeys
     pareto: int | None
     """How many points of a Pareto set to look for; None: none is asked for."""
+    proof: ProofKeys | None
+    """How the bounds are proved; None: not at all."""
     source: str
     """The text as run, with what ``--set`` changed and the keys of a solved machine in their place."""
     solved: Solved | None
@@ -102,6 +104,7 @@ class Spec:
             "sweep": None if self.sweep is None else asdict(self.sweep),
             "optimise": self.optimise.model_dump(),
             **({} if self.pareto is None else {"pareto": self.pareto}),
+            **({} if self.proof == ProofKeys() else {"proof": self.proof and self.proof.model_dump()}),
         }
 
     def sha256(self) -> str:

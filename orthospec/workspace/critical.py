@@ -71,7 +71,8 @@ def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: 
         of.append(np.full(len(chosen), k))
     if known is not None and len(known):
         for k, row in enumerate(functions(known)):
-            near = np.flatnonzero(row >= _threshold(values[k]))[:MOST]
+            near = np.flatnonzero(row >= _threshold(values[k]))
+            near = near[np.argsort(-row[near], kind="stable")][:MOST]
             u.append(known[near])
             of.append(np.full(len(near), k))
     points, owner = np.concatenate(u), np.concatenate(of)

@@ -26,6 +26,7 @@ from orthospec.workspace.field import (
     together,
 )
 from orthospec.workspace.grid import Grid, make_grid
+from orthospec.workspace.guarantee import Bracket, Proof
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.polish import polish
 
@@ -63,6 +64,10 @@ class Largest:
     cuboid: Cuboid | None
     nodes: Mapping[str, int]
     """How many nodes meet, violate, are unreachable, failed."""
+    proof: Proof | None = None
+    """Over the polished cuboid; None where none was asked for."""
+    proved: Bracket | None = None
+    """Proved ends of the scale."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +86,7 @@ class Prescribed:
     holds: bool
     violation: float
     reached: bool
+    proof: Proof | None = None
 
 
 @dataclass(frozen=True)

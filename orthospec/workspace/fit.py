@@ -73,7 +73,8 @@ class FitProblem:
     """A `Problem` of the trust region: cuboids, and the design around them.
 
     ``build`` maps a scaled design to its `Machine`, or raises UnbuildableDesign; ``start`` is a scaled design
-    and a scale. ``relaxed`` loosens conditions by so much, which is how a price is found.
+    and a scale. ``relaxed`` loosens conditions by so much, which is how a price is found. ``pinned`` (n, d)
+    are poses at which peaks are known to be that no lattice shows.
     """
 
     def __init__(
@@ -85,7 +86,9 @@ class FitProblem:
         limits: Limits,
         start: tuple[Array, float],
         relaxed: Mapping[Condition, float] | None = None,
+        pinned: Array | None = None,
     ) -> None:
+        self.pinned = np.zeros((0, len(size))) if pinned is None else pinned[:, : len(size)]
         self.size, self.groups, self.lattice = size, tuple(groups), NODES
         self._build, self._objective, self._relaxed = build, objective, dict(relaxed or {})
         self._built: tuple[bytes, Machine] | None = None
@@ -147,9 +150,8 @@ class FitProblem:
         worst, extremes = -np.inf, np.full(len(self._objective.extremes), -np.inf)
         for g, conditions in enumerate(self._conditions):
             mine = self._extremes_of(g)
-            peaks = find_peaks(
-                self._functions(machine, point, g), len(self.size), self.slots[g], self.lattice
-            )
+            functions, known = self._functions(machine, point, g), self._known(point, g)
+            peaks = find_peaks(functions, len(self.size), known, self.lattice)
             greatest = peaks.greatest(len(conditions) + len(mine))
             worst = max(worst, float(greatest[: len(conditions)].max(initial=-np.inf)))
             extremes[mine] = np.maximum(extremes[mine], greatest[len(conditions) :])
@@ -184,6 +186,11 @@ class FitProblem:
         poses[:, : u.shape[1]] = spread.reshape(-1, u.shape[1])
         poses.flags.writeable = False
         return poses
+
+    def _known(self, point: Point, g: int) -> Array:
+        """Where to look for critical points beside the lattice: those of before, and the pinned poses."""
+        u = (self.pinned - point.centres[g]) / (point.scale * self.size)
+        return np.vstack([self.slots[g], u[(np.abs(u) <= 0.5).all(axis=1)]])
 
     # The subproblem at a point.
 

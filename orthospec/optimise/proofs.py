@@ -1,0 +1,156 @@
+"""Proofs for a result: of each cuboid that it tells, each a task of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from orthospec.measures import Level
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.tasks import Task, machine_and_measures
+from orthospec.optimise.workers import Workers, in_order
+from orthospec.spec import Design, ProofKeys
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.evaluate import Evaluation, Largest, Prescribed
+from orthospec.workspace.guarantee import Bracket, Proof, bracket, proof_over
+from orthospec.workspace.machine import Machine
+
+if TYPE_CHECKING:
+    from orthospec.workspace.field import Progress
+
+
+Bounds: TypeAlias = tuple[tuple[str, float], ...]
+"""Bounds by their sides."""
+
+
+@dataclass(frozen=True)
+class ToProve:
+    """A cuboid, and what is to hold everywhere in it beside the reach."""
+
+    values: tuple[float, ...]
+    """Of the variables, in the spec's order."""
+    measures: tuple[str, ...]
+    level: Bounds | None
+    """Bounds in the place of the one measure's own."""
+    cuboid: Cuboid
+    scale: float | None
+    """The scale of a largest cuboid, which is to be enclosed."""
+    slack: float
+    boxes: int
+
+
+@dataclass(frozen=True)
+class Proved:
+    """The verdict over a cuboid, and the ends of its scale where they were asked for."""
+
+    proof: Proof
+    bracket: Bracket | None
+
+
+def prove_cuboid(space: DesignSpace, one: ToProve, progress: Progress | None = None) -> Proved:  # noqa: ARG001
+    """Prove what is asked of one cuboid."""
+    design = space.spec.design(dict(zip(space.spec.variables, one.values, strict=True)))
+    demands = {demand.name: demand for demand in design.demands if demand.name in one.measures}
+    if one.level is not None:
+        (demand,) = demands.values()
+        demands = {demand.name: demand.at(Level(dict(one.level)))}
+    machine = Machine(design.manipulator, demands)
+    proof = proof_over(machine, one.cuboid, one.slack, one.boxes)
+    if one.scale is None:
+        return Proved(proof, None)
+    setting = space.setting
+    ends = bracket(machine, setting.size, one.cuboid, one.scale, setting.region, one.boxes)
+    return Proved(proof, ends)
+
+
+def _machine_and_bounds(content: Mapping[str, Any]) -> dict[str, Any]:
+    measures = {
+        name: {key: value for key, value in one.items() if key != "levels"}
+        for name, one in content["measures"].items()
+    }
+    parts = {part: value for part, value in machine_and_measures(content).items() if part != "poses"}
+    return {**parts, "measures": measures}
+
+
+PROVE = Task("proving", prove_cuboid, _machine_and_bounds, (Proved, Proof, Bracket))
+
+
+def proved(
+    workers: Workers,
+    space: DesignSpace,
+    points: Sequence[tuple[Design, Evaluation]],
+    keys: ProofKeys,
+    progress: Progress | None = None,
+    of: tuple[type[Any], ...] = (Prescribed, Largest),
+) -> list[Evaluation]:
+    """The evaluations of designs, with a proof beside each cuboid ``of`` these kinds."""
+    wanted: dict[ToProve, None] = {}
+
+    def ask(design: Design, one: Any, *how: Any) -> Any:
+        item = _item(design, keys, one, *how) if isinstance(one, of) else None
+        if item is not None:
+            wanted[item] = None
+        return one
+
+    for design, evaluation in points:
+        _each(evaluation, design, ask)
+    known: dict[ToProve | None, Proved] = dict(
+        zip(wanted, in_order(workers, PROVE, space, list(wanted), progress), strict=True)
+    )
+
+    def tell(design: Design, one: Any, *how: Any) -> Any:
+        found = known.get(_item(design, keys, one, *how)) if isinstance(one, of) else None
+        if found is None:
+            return one
+        if isinstance(one, Largest):
+            return replace(one, proof=found.proof, proved=found.bracket)
+        return replace(one, proof=found.proof, holds=one.holds and found.proof.verdict != "refuted")
+
+    return [_each(evaluation, design, tell) for design, evaluation in points]
+
+
+def refuting_poses(evaluation: Evaluation) -> tuple[tuple[float, ...], ...]:
+    """The poses that refute the prescribed cuboids."""
+    places = [evaluation.prescribed, *(record.prescribed for record in evaluation.measures.values())]
+    proofs = [place.proof for place in places if place is not None and place.proof is not None]
+    return tuple(proof.at for proof in proofs if proof.at is not None)
+
+
+def _each(evaluation: Evaluation, design: Design, visit: Callable[..., Any]) -> Evaluation:
+    """The evaluation with ``visit(design, cuboid, measures, level, ends)`` in the place of each cuboid."""
+    bounded = tuple(demand.name for demand in design.demands if demand.bounds)
+    apart = evaluation.joint is None
+
+    def seen(one: Any, names: tuple[str, ...], level: Bounds | None = None, ends: bool = False) -> Any:
+        return None if one is None else visit(design, one, names, level, ends)
+
+    measures = {
+        name: replace(
+            record,
+            prescribed=seen(record.prescribed, (name,)),
+            largest=seen(record.largest, (name,), ends=apart or bounded == (name,)),
+            levels=tuple(
+                (level, seen(one, (name,), tuple(level.bounds.items()))) for level, one in record.levels
+            ),
+        )
+        for name, record in evaluation.measures.items()
+    }
+    prescribed, joint = seen(evaluation.prescribed, bounded), seen(evaluation.joint, bounded, ends=True)
+    return replace(evaluation, prescribed=prescribed, joint=joint, measures=measures)
+
+
+def _item(
+    design: Design,
+    keys: ProofKeys,
+    one: Any,
+    names: tuple[str, ...],
+    level: Bounds | None,
+    ends: bool,
+) -> ToProve | None:
+    """What is to be proved of a cuboid; None of one that has no size."""
+    scale = one.scale if isinstance(one, Largest) else None
+    if one.cuboid is None or scale == 0:
+        return None
+    values = tuple(design.values.values())
+    return ToProve(values, names, level, one.cuboid, scale if ends else None, keys.slack, keys.boxes)

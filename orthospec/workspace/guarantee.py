@@ -1,0 +1,98 @@
+"""What is guaranteed of a cuboid: the verdict over it, and how far from the largest possible it can be.
+
+The verdict is that of `orthospec.workspace.proof` on all conditions together. The scale of a largest cuboid
+is enclosed from below by a smaller one about the same centre in which everything holds without any slack, and
+from above by a larger one that fits nowhere (`orthospec.workspace.placements`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.measures.demand import ROUNDING
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.machine import Machine
+from orthospec.workspace.placements import none_fits
+from orthospec.workspace.proof import Budget, Claim, Verdict, prove
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array
+
+PARTS = (1e-6, 1e-4, 1e-2, 1e-1)
+"""By which parts a cuboid is made smaller, or larger, until a proof succeeds."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What is known of all conditions over a cuboid together."""
+
+    verdict: Verdict
+    slack: float
+    boxes: int
+    excess: float | None
+    """The greatest excess that is not ruled out, relative; None where nothing is known."""
+    condition: str | None = None
+    """What decides the verdict where it is not *proved*: a bound or a condition of the reach."""
+    at: tuple[float, ...] | None = None
+    """The pose that refutes it."""
+    why: str | None = None
+    """Why nothing is known of a measure over boxes."""
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """Proved ends of the scale of the largest cuboid; None where there is no proof."""
+
+    least: float | None
+    most: float | None
+
+
+def proof_over(machine: Machine, cuboid: Cuboid, slack: float, boxes: int) -> Proof:
+    """Whether the reach and all bounds of the machine hold at every pose of a cuboid, within the slack."""
+    claims = prove(machine, cuboid, slack=slack, budget=Budget(boxes=boxes))
+    worst = max(claims, key=_gravity)
+    # Conditions on one measure share their boxes.
+    spent = {(c.condition.kind, c.condition.name if c.condition.kind == "bound" else ""): c for c in claims}
+    excess = float(worst.excess) if np.isfinite(worst.excess) else None
+    return Proof(
+        worst.verdict,
+        slack,
+        sum(claim.boxes for claim in spent.values()),
+        excess,
+        None if worst.verdict == "proved" else _name(worst),
+        worst.at,
+        worst.why,
+    )
+
+
+def _gravity(claim: Claim) -> tuple[int, float]:
+    return ("proved", "undecided", "refuted").index(claim.verdict), claim.excess
+
+
+def _name(claim: Claim) -> str:
+    condition = claim.condition
+    return f"{condition.name}: {condition.side}" if condition.side else condition.name
+
+
+def bracket(
+    machine: Machine, size: Array, cuboid: Cuboid, scale: float, region: Cuboid | None, boxes: int
+) -> Bracket:
+    """Proved ends around the scale of a largest cuboid; each attempt may take so many boxes."""
+
+    def holds(part: float) -> bool:
+        smaller = Cuboid.around(np.array(cuboid.centre), (1 - part) * scale * size)
+        return proof_over(machine, smaller, 0.0, boxes).verdict == "proved"
+
+    def fits_nowhere(part: float) -> bool:
+        return none_fits(machine, (1 + part) * scale * size, region, boxes)[0]
+
+    below, above = (next((part for part in PARTS if proved(part)), None) for proved in (holds, fits_nowhere))
+    least = None if below is None else (1 - below) * scale
+    most = None if above is None else (1 + above) * scale
+    if region is not None:
+        room = float(np.min(region.size / size)) * (1 + ROUNDING)
+        most = room if most is None else min(most, room)
+    return Bracket(least, most)

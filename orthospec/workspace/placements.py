@@ -1,0 +1,153 @@
+"""Proof that no cuboid of some size fits anywhere, by branch and bound over boxes of placements.
+
+A box of centres is excluded where, for one place u of the cuboid, all poses centre + size∘u are out of reach
+or violate one bound: then each cuboid of the box, and each larger one with such a centre, has a pose at which
+something does not hold. Otherwise it is cut in two. The corners, the middles of edges and faces and the
+centre are tried: those first that are worst, in plain arithmetic, at the box's own middle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.intervals import Boxes
+from orthospec.measures import Demand
+from orthospec.measures.demand import bounded_side
+from orthospec.workspace.conditions import Sample, conditions_of
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.machine import Machine
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from orthospec.arrays import Array, Flags
+
+BATCH = 1024
+"""Boxes of centres at a time."""
+TRIED = 4
+"""Places of the cuboid that are tried in each box."""
+WORTH = 1.0
+"""A place is tried where what does not hold fails by so many times the box's edge, in sizes."""
+FAR = 1024.0
+"""Without a region, centres are looked at within so many sizes of the origin."""
+FINEST = 2.0**-40
+
+
+def none_fits(machine: Machine, size: Array, region: Cuboid | None, most: int) -> tuple[bool, int]:
+    """Whether it is proved that no cuboid of this size fits, and the boxes of centres that it took.
+
+    False where more than ``most`` boxes are needed, as where one does fit.
+    """
+    search = _Search(machine, size)
+    whole = _centres(size, region)
+    spent, waiting = 0, [whole] if len(whole) else []
+    while waiting:
+        boxes = waiting.pop()
+        spent += len(boxes)
+        if spent > most:
+            return False, spent
+        left, along = search.not_excluded(boxes)
+        rest = boxes[left]
+        if len(rest) and ((rest.hi - rest.lo) <= FINEST * size).all(axis=1).any():
+            return False, spent
+        if len(rest):
+            halves = rest.halves(along)
+            waiting += [halves[start : start + BATCH] for start in range(0, len(halves), BATCH)]
+    return True, spent
+
+
+def _centres(size: Array, region: Cuboid | None) -> Boxes:
+    """All centres, as one box; none where the region is too small."""
+    if region is None:
+        half = FAR * size
+        return Boxes(-half[None], half[None])
+    low, high = np.array(region.low) + size / 2, np.array(region.high) - size / 2
+    if (low > high).any():
+        return Boxes(np.zeros((0, len(size))), np.zeros((0, len(size))))
+    return Boxes(low[None], high[None])
+
+
+class _Search:
+    """What is asked of each box of centres."""
+
+    def __init__(self, machine: Machine, size: Array) -> None:
+        d = len(size)
+        self._machine, self._size, self._axes = machine, size, len(machine.manipulator.axes)
+        self._places = np.array(list(product((-0.5, 0.5), repeat=d)) + _inner(d))
+        self._demands = tuple(machine.demands.values())
+        self._conditions = conditions_of(machine.manipulator, self._demands, np.zeros((1, self._axes)))
+        names = [demand.name for demand in self._demands]
+        self._case_of = np.array([-1 if c.kind == "joint" else names.index(c.name) for c in self._conditions])
+        """The demand that each condition is of, by number; −1 for the reach."""
+
+    def not_excluded(self, boxes: Boxes) -> tuple[Flags, NDArray[np.intp]]:
+        """Which boxes are left, and across which coordinate to cut each of them."""
+        edges = (boxes.hi - boxes.lo) / self._size
+        left = np.ones(len(boxes), dtype=bool)
+        for place, condition, sure in self._most_sure(boxes.centres):
+            (mine,) = np.nonzero(left & (sure > WORTH * edges.max(axis=1)))
+            for case in np.unique(self._case_of[condition[mine]]):
+                these = mine[self._case_of[condition[mine]] == case]
+                at = self._size * self._places[place[these]]
+                left[these] = ~self._never_holds(int(case), boxes[these], at)
+        return left, np.asarray(edges[left].argmax(axis=1))
+
+    def _most_sure(self, centres: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], Array]]:
+        """Places where something does not hold, most surely first: place, condition, how sure (n,) each.
+
+        That is far out of reach, or far beyond a bound and yet well within reach: near its edge, where values
+        are greatest, a box tells nothing.
+        """
+        n = len(centres)
+        poses = (centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
+        rows = Sample(self._machine, self._padded(poses)).rows(self._conditions, [], {})
+        rows = np.where(np.isfinite(rows), rows, -np.inf).reshape(len(rows), n, -1)
+        of_reach = self._case_of < 0
+        beyond = rows[of_reach].max(axis=0)
+        rows[~of_reach] = np.minimum(rows[~of_reach], -beyond)
+        sure, condition = rows.max(axis=0), rows.argmax(axis=0)
+        order = np.argsort(-sure, axis=1, kind="stable")[:, :TRIED]
+        each = np.arange(n)
+        for place in order.T:
+            yield place, condition[each, place], sure[each, place]
+
+    def _never_holds(self, case: int, boxes: Boxes, at: Array) -> Flags:
+        """Whether in each box, moved by ``at`` (n, d), the reach (−1) or a demand holds nowhere."""
+        low, high = np.nextafter(boxes.lo + at, -np.inf), np.nextafter(boxes.hi + at, np.inf)
+        moved = Boxes(self._padded(low), self._padded(high))
+        try:
+            return self._out_of_reach(moved) if case < 0 else self._violates(self._demands[case], moved)
+        except Exception:
+            # What cannot be carried over boxes excludes nothing; a verdict tells why.
+            return np.zeros(len(boxes), dtype=bool)
+
+    def _out_of_reach(self, boxes: Boxes) -> Flags:
+        margins = self._machine.manipulator.reach_enclosure(boxes)
+        keys = (condition.reach_key for condition in self._conditions if condition.kind == "joint")
+        return np.asarray(np.any([margins[key].hi < 0 for key in keys], axis=0))
+
+    def _violates(self, demand: Demand, boxes: Boxes) -> Flags:
+        found = demand.measure.enclosure(self._machine.manipulator, boxes)
+        never = np.zeros(len(boxes), dtype=bool)
+        if found is not None:
+            for side, bound in demand.bounds.items():
+                if side == "at_most":
+                    never |= bounded_side(found.lo, side) > bound
+                else:
+                    never |= bounded_side(found.hi, side) < bound
+        return never
+
+    def _padded(self, poses: Array) -> Array:
+        padded = np.zeros((len(poses), self._axes))
+        padded[:, : poses.shape[1]] = poses
+        padded.flags.writeable = False
+        return padded
+
+
+def _inner(d: int) -> list[tuple[float, ...]]:
+    """The middles of edges and faces, and the centre."""
+    return [place for place in product((-0.5, 0.0, 0.5), repeat=d) if 0.0 in place]

@@ -1,0 +1,112 @@
+"""No larger cuboid fits: against closed forms, and never proved where one does fit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.measures import Demand
+from orthospec.measures.dynamic import JointSpeed
+from orthospec.measures.kinematic import ConditionNumber, VelocityTransmission
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.guarantee import bracket, proof_over
+from orthospec.workspace.machine import Machine
+from orthospec.workspace.placements import none_fits
+
+LEG = 0.2 / (1 / np.sqrt(6) + 1 / np.sqrt(18))
+LOW, HIGH = -LEG / np.sqrt(6), LEG / np.sqrt(18)
+CUBE = Cuboid((LOW,) * 3, (HIGH,) * 3)
+SIZE = np.full(3, 0.2)
+FACTORS = VelocityTransmission(), {"at_least": 0.5, "at_most": 2.0}
+
+
+def machine(measure=None, bounds=None, **keys):
+    demands = {"it": Demand("it", measure, bounds)} if measure else {}
+    return Machine(Orthoglide(leg_lengths=(LEG,) * 3, **keys), demands)
+
+
+def test_no_cube_larger_by_a_millionth_fits_anywhere():
+    proved, boxes = none_fits(machine(*FACTORS), SIZE * (1 + 1e-6), None, 50_000)
+    assert proved
+    assert boxes < 30_000
+
+
+def test_where_a_cube_fits_nothing_is_proved():
+    for part in (1e-6, 0.5):
+        assert not none_fits(machine(*FACTORS), SIZE * (1 - part), None, 5_000)[0]
+
+
+def test_a_box_that_one_condition_alone_excludes_needs_no_measure():
+    """The joint limit leaves 100 mm of slide: less than any cube of 101 mm takes."""
+    short = machine(joint_limits={"min": 0.26, "max": 0.36})
+    assert none_fits(short, np.full(3, 0.101), None, 20_000)[0]
+    assert not none_fits(short, np.full(3, 0.05), None, 2_000)[0]
+
+
+def test_a_region_smaller_than_the_cuboid_leaves_it_no_place():
+    region = Cuboid((-0.1,) * 3, (0.1, 0.1, 0.099))
+    assert none_fits(machine(*FACTORS), SIZE, region, 10) == (True, 0)
+
+
+def test_a_measure_that_tells_nothing_of_boxes_excludes_nothing(monkeypatch):
+    def broken(*_):
+        raise ValueError("not of boxes")
+
+    monkeypatch.setattr(VelocityTransmission, "enclosure", broken)
+    assert not none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000)[0]
+
+
+def test_the_scale_is_enclosed_within_a_millionth():
+    ends = bracket(machine(*FACTORS), SIZE, CUBE, 1.0, None, 50_000)
+    assert ends.least == pytest.approx(1.0, abs=1.1e-6)
+    assert ends.most == pytest.approx(1.0, abs=1.1e-6)
+    assert ends.least < 1 < ends.most
+
+
+def test_a_region_bounds_the_scale_too():
+    region = Cuboid((-0.1,) * 3, (0.1, 0.1, 0.05))
+    size = np.array([0.1, 0.1, 0.1])
+    cuboid = Cuboid((-0.075,) * 3, (0.075, 0.075, 0.075))
+    ends = bracket(machine(), size, Cuboid(cuboid.low, (0.075, 0.075, 0.05)), 1.0, region, 2_000)
+    assert ends.most == pytest.approx(1.5, rel=1e-11)
+    assert ends.most >= 1.5
+
+
+def test_the_box_of_a_smaller_scale_is_proved_only_where_it_holds():
+    """The cuboid is too large by a tenth: less than that much less of it is not proved."""
+    wide = Cuboid(tuple(1.05 * x for x in CUBE.low), tuple(1.05 * x for x in CUBE.high))
+    ends = bracket(machine(*FACTORS), SIZE, wide, 1.05, None, 3_000)
+    assert ends.least is not None
+    assert ends.least < 1
+
+
+def test_the_verdict_tells_what_decides_it():
+    loose = proof_over(machine(*FACTORS), CUBE, 1e-3, 10_000)
+    assert (loose.verdict, loose.condition, loose.at) == ("proved", None, None)
+    assert 0 < loose.excess <= 1e-3
+    moved = Cuboid(tuple(x + 1e-3 for x in CUBE.low), tuple(x + 1e-3 for x in CUBE.high))
+    refuted = proof_over(machine(*FACTORS), moved, 1e-3, 10_000)
+    assert (refuted.verdict, refuted.condition) == ("refuted", "it: at_most")
+    assert refuted.at == pytest.approx(moved.high)
+    spent = proof_over(machine(*FACTORS), CUBE, 1e-9, 100)
+    assert spent.verdict == "undecided"
+    assert spent.excess > 1e-9
+
+
+def test_conditions_on_one_measure_count_their_boxes_once():
+    both = proof_over(machine(*FACTORS), CUBE, 1e-3, 10_000)
+    one = proof_over(machine(VelocityTransmission(), {"at_most": 2.0}), CUBE, 1e-3, 10_000)
+    assert both.boxes < 1.5 * one.boxes
+
+
+@pytest.mark.parametrize("measure", [ConditionNumber(), JointSpeed(speed=1.0)])
+def test_other_measures_have_proved_ends(measure):
+    bound = 4.0 if isinstance(measure, ConditionNumber) else 1.3
+    one = machine(measure, {"at_most": bound})
+    edge = next(e for e in np.linspace(0.4, 0.02, 39) if _holds(one, np.full(3, e)))
+    assert none_fits(one, np.full(3, 3 * edge), None, 20_000)[0]
+
+
+def _holds(one, size):
+    return proof_over(one, Cuboid.around(np.array(CUBE.centre), size), 0.0, 3_000).verdict == "proved"

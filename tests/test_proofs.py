@@ -1,0 +1,168 @@
+"""Proofs in a run: beside each cuboid of a result, and as critical points where they refute a design."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from orthospec import registry
+from orthospec.measures import Measure
+from orthospec.optimise import evaluate_spec, hired, proofs, solve, with_proof
+from orthospec.result import compose
+from orthospec.show import show
+from orthospec.spec import ProofKeys
+
+HEAD = """\
+orthospec: 1
+variables: {leg: {min: 250 mm, max: 500 mm, start: 400 mm}}
+manipulator: {use: orthoglide, leg_lengths: [leg, leg, leg]}
+workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 10}
+measures: {transmission: {use: velocity_transmission, at_least: 0.5, at_most: 2}}
+goals: {legs: {minimise: leg, goal: 300 mm}}
+optimise: {starts: 1}
+proof: {slack: 1e-3}
+"""
+LEG = 0.2 / (1 / np.sqrt(6) + 1 / np.sqrt(18))
+
+
+@pytest.fixture(scope="module")
+def solved(spec_of):
+    spec = spec_of(HEAD)
+    return spec, solve(spec)
+
+
+def test_a_run_proves_the_design_that_it_finds(solved):
+    workspace = solved[1].finding.evaluation
+    for one in (workspace.prescribed, workspace.joint, workspace.measures["transmission"].largest):
+        assert one.proof.verdict == "proved"
+        assert one.proof.slack == 1e-3
+    assert workspace.joint.proved.least == pytest.approx(1.0, abs=2e-6)
+    assert workspace.joint.proved.most == pytest.approx(1.0, abs=2e-6)
+
+
+def test_the_result_and_show_tell_it(solved):
+    spec, outcome = solved
+    content = compose(spec, outcome.finding)
+    proof = content["workspace"]["prescribed"]["proof"]
+    assert list(proof) == ["verdict", "slack", "boxes", "excess", "at"]
+    assert set(content["workspace"]["joint"]["proved"]) == {"least", "most"}
+    text = show(content, spec=spec, width=80, colour=False)
+    assert "proved: it holds within 0.1 % at every pose" in text
+    assert "proved of the scale: at least 0.999999 and at most 1.000001" in text
+
+
+def test_without_proof_nothing_of_it_is_told(spec_of):
+    spec = spec_of(HEAD, "proof=false")
+    outcome = solve(spec)
+    assert outcome.finding.evaluation.prescribed.proof is None
+    assert "proof" not in str(compose(spec, outcome.finding))
+
+
+def test_an_evaluation_is_proved_where_it_is_asked_for(spec_of):
+    spec = spec_of(HEAD)
+    plain = evaluate_spec(spec, {"leg": 0.32})
+    assert plain.finding.evaluation.prescribed.proof is None
+    proved = with_proof(spec, plain, ProofKeys(slack=1e-2)).finding.evaluation.prescribed
+    assert (proved.proof.verdict, proved.proof.slack, proved.holds) == ("proved", 1e-2, True)
+
+
+def test_what_does_not_hold_is_refuted_with_a_pose(spec_of):
+    spec = spec_of(HEAD)
+    outcome = with_proof(spec, evaluate_spec(spec, {"leg": 0.305}), ProofKeys())
+    prescribed = outcome.finding.evaluation.prescribed
+    assert not prescribed.holds
+    assert prescribed.proof.verdict == "refuted"
+    design = spec.design({"leg": 0.305})
+    (values,) = design.demands[0].measure.values(design.manipulator, np.array([prescribed.proof.at]))
+    assert values[0] < 0.5 * (1 - 1e-3) or values[1] > 2 * (1 + 1e-3)
+
+
+def test_each_level_and_each_measures_own_cuboid_is_proved(spec_of):
+    text = HEAD.replace(
+        "at_most: 2}}",
+        "at_most: 2, levels: {at_most: [1.5]}}, c: {use: joint_speed, speed: 1, at_most: 1.2}}",
+    )
+    spec = spec_of(text)
+    found = with_proof(spec, evaluate_spec(spec), ProofKeys()).finding.evaluation
+    assert found.measures["c"].largest.proof.verdict == "proved"
+    assert found.measures["transmission"].levels[0][1].proof.verdict == "proved"
+    assert found.joint.proved is not None
+    assert found.measures["c"].largest.proved is None
+
+
+def test_two_processes_prove_the_same(solved):
+    spec = solved[0]
+    with hired(jobs=2) as workers:
+        assert compose(spec, solve(spec, workers=workers).finding) == compose(spec, solved[1].finding)
+
+
+class Bump(Measure):
+    """1 but for a bump a fifth of a millimetre wide, the lower the longer the legs: no lattice meets it."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator, poses):
+        square = np.sum((poses - PLACE) ** 2, axis=1)
+        return 1 + 5 * (0.4 - manipulator.leg_lengths[0]) * np.exp(-square / 1e-8)
+
+
+PLACE = np.array([-0.0333, -0.0217, -0.0271])
+
+
+@pytest.fixture
+def bumpy(monkeypatch, spec_of):
+    find = registry.find_measure
+    monkeypatch.setattr(registry, "find_measure", lambda name: Bump if name == "bump" else find(name))
+    text = HEAD.replace("at_most: 2}}", "at_most: 2}, bump: {use: bump, at_most: 1.2}}")
+    return spec_of(text, "proof.boxes=3000")
+
+
+def test_a_violation_smaller_than_a_cell_of_the_grid_is_found(bumpy):
+    outcome = with_proof(bumpy, evaluate_spec(bumpy, {"leg": 0.32}), ProofKeys())
+    prescribed = outcome.finding.evaluation.prescribed
+    assert prescribed.proof.verdict == "refuted"
+    assert prescribed.proof.condition == "bump: at_most"
+    assert np.linalg.norm(np.array(prescribed.proof.at) - PLACE) < 1e-3
+    assert evaluate_spec(bumpy, {"leg": 0.32}).finding.evaluation.prescribed.holds
+
+
+def test_a_design_that_a_proof_refutes_is_solved_on_until_one_is_proved(bumpy):
+    """Without the pose that the proof found, the shortest legs would do."""
+    finding = solve(bumpy).finding
+    assert finding.design.values["leg"] == pytest.approx(0.36, rel=1e-6)
+    assert finding.status == "compromise"
+    assert finding.evaluation.prescribed.proof.verdict == "proved"
+
+
+class Opaque(Bump):
+    """Its code knows numbers only."""
+
+    def values(self, manipulator, poses):  # noqa: ARG002
+        return np.array([1.0 + float(pose[0]) for pose in poses])
+
+
+def test_a_measure_without_enclosure_is_undecided_and_says_why(monkeypatch, spec_of):
+    find = registry.find_measure
+    monkeypatch.setattr(registry, "find_measure", lambda name: Opaque if name == "opaque" else find(name))
+    spec = spec_of(HEAD.replace("at_most: 2}}", "at_most: 2}, plain: {use: opaque, at_most: 2}}"))
+    outcome = with_proof(spec, evaluate_spec(spec), ProofKeys())
+    proof = outcome.finding.evaluation.prescribed.proof
+    assert (proof.verdict, proof.condition) == ("undecided", "plain: at_most")
+    assert "test_proofs.py:" in proof.why
+
+
+def test_ctrl_c_leaves_the_proof_out(spec_of, monkeypatch):
+    spec = spec_of(HEAD)
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(proofs, "in_order", stopped)
+    outcome = solve(spec)
+    assert outcome.interrupted
+    assert outcome.finding.status == "unfinished"
+    assert outcome.finding.design.values["leg"] == pytest.approx(LEG, rel=1e-8)
+    assert outcome.finding.evaluation.prescribed.proof is None
