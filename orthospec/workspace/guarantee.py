@@ -87,7 +87,7 @@ def bracket(
         return proof_over(machine, smaller, 0.0, boxes).verdict == "proved"
 
     def fits_nowhere(part: float) -> bool:
-        return none_fits(machine, (1 + part) * scale * size, region, boxes)[0]
+        return none_fits(machine, (1 + part) * scale * size, region, boxes, cuboid)[0]
 
     below, above = (next((part for part in PARTS if proved(part)), None) for proved in (holds, fits_nowhere))
     least = None if below is None else (1 - below) * scale

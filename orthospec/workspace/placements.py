@@ -2,8 +2,9 @@
 
 A box of centres is excluded where, for one place u of the cuboid, all poses centre + size∘u are out of reach
 or violate one bound: then each cuboid of the box, and each larger one with such a centre, has a pose at which
-something does not hold. Otherwise it is cut in two. The corners, the middles of edges and faces and the
-centre are tried: those first that are worst, in plain arithmetic, at the box's own middle.
+something does not hold. Otherwise it is cut in two. Tried are the corners, the middles of edges and faces,
+the centre, and the critical points of a cuboid that is nearly too large: those first that are worst, in
+plain arithmetic, at the box's own middle.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from orthospec.intervals import Boxes
 from orthospec.measures import Demand
 from orthospec.measures.demand import bounded_side
 from orthospec.workspace.conditions import Sample, conditions_of
+from orthospec.workspace.critical import find_peaks
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
 
@@ -32,17 +34,22 @@ TRIED = 4
 """Places of the cuboid that are tried in each box."""
 WORTH = 1.0
 """A place is tried where what does not hold fails by so many times the box's edge, in sizes."""
+ROOM, APART, MOST_CRITICAL = 0.05, 0.01, 24
+"""A condition has little room below this; places nearer than this are one; critical points at most."""
 FAR = 1024.0
 """Without a region, centres are looked at within so many sizes of the origin."""
 FINEST = 2.0**-40
 
 
-def none_fits(machine: Machine, size: Array, region: Cuboid | None, most: int) -> tuple[bool, int]:
+def none_fits(
+    machine: Machine, size: Array, region: Cuboid | None, most: int, largest: Cuboid | None = None
+) -> tuple[bool, int]:
     """Whether it is proved that no cuboid of this size fits, and the boxes of centres that it took.
 
+    ``largest`` is a cuboid of less size whose critical points are worth a try.
     False where more than ``most`` boxes are needed, as where one does fit.
     """
-    search = _Search(machine, size)
+    search = _Search(machine, size, largest)
     whole = _centres(size, region)
     spent, waiting = 0, [whole] if len(whole) else []
     while waiting:
@@ -74,15 +81,28 @@ def _centres(size: Array, region: Cuboid | None) -> Boxes:
 class _Search:
     """What is asked of each box of centres."""
 
-    def __init__(self, machine: Machine, size: Array) -> None:
-        d = len(size)
+    def __init__(self, machine: Machine, size: Array, largest: Cuboid | None) -> None:
         self._machine, self._size, self._axes = machine, size, len(machine.manipulator.axes)
-        self._places = np.array(list(product((-0.5, 0.5), repeat=d)) + _inner(d))
         self._demands = tuple(machine.demands.values())
         self._conditions = conditions_of(machine.manipulator, self._demands, np.zeros((1, self._axes)))
         names = [demand.name for demand in self._demands]
         self._case_of = np.array([-1 if c.kind == "joint" else names.index(c.name) for c in self._conditions])
         """The demand that each condition is of, by number; −1 for the reach."""
+        self._places = np.array(list(product((-0.5, 0.0, 0.5), repeat=len(size))))
+        if largest is not None:
+            self._places = np.vstack([self._places, self._critical(largest)])
+
+    def _critical(self, cuboid: Cuboid) -> Array:
+        """Where in a cuboid the conditions are worst (k, d), of those that it leaves little room."""
+
+        def functions(u: Array) -> Array:
+            sample = Sample(self._machine, cuboid.poses(u, self._axes))
+            return sample.rows(self._conditions, [], {})
+
+        peaks = find_peaks(functions, len(self._size))
+        found = peaks.u[peaks.value > -ROOM]
+        apart = np.abs(found[:, None] - self._places).max(axis=2).min(axis=1) > APART
+        return np.asarray(found[apart][:MOST_CRITICAL])
 
     def not_excluded(self, boxes: Boxes) -> tuple[Flags, NDArray[np.intp]]:
         """Which boxes are left, and across which coordinate to cut each of them."""
@@ -146,8 +166,3 @@ class _Search:
         padded[:, : poses.shape[1]] = poses
         padded.flags.writeable = False
         return padded
-
-
-def _inner(d: int) -> list[tuple[float, ...]]:
-    """The middles of edges and faces, and the centre."""
-    return [place for place in product((-0.5, 0.0, 0.5), repeat=d) if 0.0 in place]
