@@ -8,6 +8,8 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from orthospec import registry
+from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Demand, Measure
 from orthospec.measures.dynamic import Acceleration, GieNorm
@@ -177,3 +179,44 @@ def test_the_same_question_has_the_same_answer():
         return claims_of(orthoglide(), VelocityTransmission(), FACTORS)
 
     assert first() == first()
+
+
+GIVEN = {
+    "joint_speed": {"speed": 1.0},
+    "deflection": {"force": 100.0},
+    "rotation": {"torque": 1.0},
+    "actuator_force": {"acceleration": 1.0},
+}
+PARTS = {
+    "legs": {
+        "kind": "PRPaR",
+        "section": {"round": {"diameter": 0.03, "wall": 0.002}},
+        "material": "carbon",
+        "spacing": 0.08,
+    },
+    "actuators": {"force": 400.0, "speed": 1.0, "stiffness": 2e7, "mass": 2.0, "friction": 15.0},
+    "platform": {"mass": 2.0},
+    "gravity": [0.0, 0.0, -9.81],
+}
+MACHINES = {
+    "orthoglide": Orthoglide(leg_lengths=(LEG, LEG, 1.02 * LEG), **PARTS),
+    "linear_delta": LinearDelta(
+        leg_lengths=(0.55, 0.56, 0.55), base_radius=0.3, platform_radius=0.05, **PARTS
+    ),
+}
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("name", sorted(set(registry.names(registry.MEASURES)) - {"joint_error"}))
+def test_each_measure_is_proved_next_to_its_extremes_and_refuted_beyond(name, machine):
+    manipulator, measure = MACHINES[machine], registry.find_measure(name)(**GIVEN.get(name, {}))
+    cuboid = Cuboid((-0.08,) * 3, (0.06,) * 3)
+    u = np.random.default_rng(0).uniform(-0.5, 0.5, (4000, 3))
+    u[:8] = list(itertools.product((-0.5, 0.5), repeat=3))
+    values = measure.values(manipulator, cuboid.poses(u, 3)).reshape(len(u), -1)
+    for side in measure.sides:
+        extreme = values[:, 0].min() if side == "at_least" else values[:, -1].max()
+        for part, verdict in ((0.05, "proved"), (-0.01, "refuted")):
+            bound = extreme * (1 + part if side == "at_most" else 1 - part)
+            claims = claims_of(manipulator, measure, {side: float(bound)}, cuboid, boxes=20_000)
+            assert claims["it", side].verdict == verdict, claims["it", side].why
