@@ -11,7 +11,8 @@ from orthospec import registry
 from orthospec.measures import Measure
 from orthospec.optimise import evaluate_spec, hired, proofs, solve, with_proof
 from orthospec.result import compose
-from orthospec.show import show
+from orthospec.result.model import ProofRecord
+from orthospec.show import show, words
 from orthospec.spec import ProofKeys
 
 HEAD = """\
@@ -166,3 +167,29 @@ def test_ctrl_c_leaves_the_proof_out(spec_of, monkeypatch):
     assert outcome.finding.status == "unfinished"
     assert outcome.finding.design.values["leg"] == pytest.approx(LEG, rel=1e-8)
     assert outcome.finding.evaluation.prescribed.proof is None
+
+
+@pytest.mark.parametrize(
+    ("record", "said"),
+    [
+        ({"verdict": "proved", "boxes": 1}, "proved: it holds within 0.1 % at every pose (1 box)"),
+        (
+            {"verdict": "refuted", "boxes": 9, "excess": 0.02, "condition": "t: at_most"},
+            "refuted: t (at most) is missed by 2 % at HERE",
+        ),
+        (
+            {"verdict": "undecided", "boxes": 9, "excess": 0.02, "condition": "singularity"},
+            "not proved within 0.1 % in 9 boxes: singularity; a miss by more than 2 % is ruled out",
+        ),
+        (
+            {"verdict": "undecided", "boxes": 0, "condition": "t: at_least"},
+            "not proved within 0.1 % in 0 boxes: t (at least)",
+        ),
+        (
+            {"verdict": "undecided", "boxes": 0, "condition": "t: at_most", "why": "m.py:3: no"},
+            "not proved: nothing is known of t (at most) between poses: m.py:3: no",
+        ),
+    ],
+)
+def test_each_verdict_has_its_sentence(record, said):
+    assert words.proof(ProofRecord(slack=1e-3, **record), "HERE")[1] == said

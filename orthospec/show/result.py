@@ -156,7 +156,7 @@ class _Writer:
         self.page.sentence(f"on the grid alone: scale {largest.grid_scale:.6g}{places}", indent=4)
         self.page.sentence(f"nodes: {words.nodes(largest.nodes)}", indent=4)
         if largest.proved is not None:
-            self.page.sentence(words.between(largest.proved), indent=4)
+            self.page.sentence(f"proved of the scale: {words.between(largest.proved)}", indent=4)
 
     def _corners(self, ends: Ends, indent: int) -> None:
         for label, corner in (("from", ends.min), ("to  ", ends.max)):
@@ -182,6 +182,8 @@ class _Writer:
             yield name, numbers.value(extreme.value if extreme else None, unit), at
         if record.scale is not None and record.grid_scale is not None:
             yield "own scale", f"{record.scale:.6g}", f"on the grid alone {record.grid_scale:.6g}"
+            if record.proved is not None and self.result.workspace.joint is None:
+                yield "", "", f"proved {words.between(record.proved)}"
         for level in record.levels:
             bound = words.bounds(numbers, {side: getattr(level, side) for side in words.SIDES}, unit)
             yield f"scale, {bound}", f"{level.scale:.6g}", f"on the grid alone {level.grid_scale:.6g}"

@@ -77,22 +77,22 @@ def proof(one: ProofRecord, at: str | None) -> tuple[str, str]:
     within, boxes = percent(one.slack), counted(one.boxes, "box", "boxes")
     if one.verdict == "proved":
         return "good", f"proved: it holds within {within} at every pose ({boxes})"
-    beyond = "" if one.excess is None else f" by {percent(one.excess)}"
+    name, _, side = (one.condition or "").partition(": ")
+    condition = f"{name} ({SIDES[side]})" if side in SIDES else name
+    beyond = None if one.excess is None else percent(one.excess)
     if one.verdict == "refuted":
-        return "bad", f"refuted: {one.condition} is exceeded{beyond} at {at}"
+        return "bad", f"refuted: {condition} is missed by {beyond} at {at}"
     if one.why is not None:
-        return "warn", f"not proved: nothing is known of {one.condition} between poses: {one.why}"
-    ruled_out = f"; more than{beyond[3:]} is ruled out" if beyond else ""
-    return "warn", f"not proved within {within} in {boxes}: {one.condition}{ruled_out}"
+        return "warn", f"not proved: nothing is known of {condition} between poses: {one.why}"
+    ruled_out = "" if beyond is None else f"; a miss by more than {beyond} is ruled out"
+    return "warn", f"not proved within {within} in {boxes}: {condition}{ruled_out}"
 
 
 def between(ends: BracketRecord) -> str:
     """The proved ends of a scale."""
-    if ends.least is None and ends.most is None:
-        return "proved of the scale: nothing"
-    least = "" if ends.least is None else f"at least {ends.least:.7g}"
-    most = "" if ends.most is None else f"at most {ends.most:.7g}"
-    return f"proved of the scale: {' and '.join(part for part in (least, most) if part)}"
+    least = None if ends.least is None else f"at least {ends.least:.7g}"
+    most = None if ends.most is None else f"at most {ends.most:.7g}"
+    return " and ".join(part for part in (least, most) if part) or "nothing"
 
 
 def holds(one: DesignRecord) -> bool:
