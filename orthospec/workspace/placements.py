@@ -33,7 +33,7 @@ BATCH = 1024
 TRIED = 4
 """Places of the cuboid that are tried in each box."""
 WORTH = 1.0
-"""A place is tried where what does not hold fails by so many times the box's edge, in sizes."""
+"""A place is tried where a condition fails by so many times what it changes by over the box."""
 ROOM, APART, MOST_CRITICAL = 0.05, 0.01, 24
 """A condition has little room below this; places nearer than this are one; critical points at most."""
 FAR = 1024.0
@@ -120,12 +120,14 @@ class _Search:
         """Places where something does not hold, most surely first: place, condition, how sure (n,) each.
 
         That is far out of reach, or far beyond a bound and yet well within reach: near its edge, where values
-        are greatest, a box tells nothing.
+        are greatest, a box tells nothing. All that counts beside what the condition changes by over the cuboid.
         """
         n = len(centres)
         poses = (centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
         rows = Sample(self._machine, self._padded(poses)).rows(self._conditions, [], {})
-        rows = np.where(np.isfinite(rows), rows, -np.inf).reshape(len(rows), n, -1)
+        rows = rows.reshape(len(rows), n, -1)
+        spread = _spread(rows)
+        rows = np.where(np.isfinite(rows), rows, -np.inf)
         of_reach = self._case_of < 0
         beyond = rows[of_reach].max(axis=0)
         rows[~of_reach] = np.minimum(rows[~of_reach], -beyond)
@@ -133,7 +135,8 @@ class _Search:
         order = np.argsort(-sure, axis=1, kind="stable")[:, :TRIED]
         each = np.arange(n)
         for place in order.T:
-            yield place, condition[each, place], sure[each, place]
+            decides = condition[each, place]
+            yield place, decides, sure[each, place] / spread[decides, each]
 
     def _never_holds(self, case: int, boxes: Boxes, at: Array) -> Flags:
         """Whether in each box, moved by ``at`` (n, d), the reach (−1) or a demand holds nowhere."""
@@ -166,3 +169,12 @@ class _Search:
         padded[:, : poses.shape[1]] = poses
         padded.flags.writeable = False
         return padded
+
+
+def _spread(rows: Array) -> Array:
+    """What each condition changes by over each cuboid (k, n), at most 1; of rows (k, n, places)."""
+    known = np.isfinite(rows)
+    highest = np.where(known, rows, -np.inf).max(axis=2)
+    lowest = np.where(known, rows, np.inf).min(axis=2)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.clip(np.nan_to_num(highest - lowest, nan=1.0), 1e-9, 1.0))
