@@ -120,7 +120,7 @@ class _Search:
         """Places where something does not hold, most surely first: place, condition, how sure (n,) each.
 
         That is far out of reach, or far beyond a bound and yet well within reach: near its edge, where values
-        are greatest, a box tells nothing. All that counts beside what the condition changes by over the cuboid.
+        are greatest, a box tells nothing. It counts beside what the condition changes by over the cuboid.
         """
         n = len(centres)
         poses = (centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
