@@ -61,7 +61,7 @@ class LinearDelta(PrismaticManipulator):
             axes=math.sin(self.rail_tilt) * radial + math.cos(self.rail_tilt) * up,
             bases=self.base_radius * radial,
             joints=self.platform_radius * radial,
-            lengths=np.array(self.leg_lengths),
+            lengths=self._lengths,
             branches=branches,
             revolutes=np.cross(up, radial),
             home=(self._lean[:, None] * radial + up) / math.sqrt(2),
@@ -78,6 +78,9 @@ class LinearDelta(PrismaticManipulator):
         branches = np.array(self.branch, dtype=float)
         if abs(self.rail_tilt) > math.pi / 4:
             return np.full(3, math.copysign(1.0, self.rail_tilt))
-        travel = branches * np.array(self.leg_lengths)
-        radius = self.base_radius + travel * math.sin(self.rail_tilt)
-        return np.where(radius >= self.platform_radius, branches, -branches)
+        travel = branches[:, None] * self._lengths
+        outside = self.base_radius + travel * math.sin(self.rail_tilt) >= self.platform_radius
+        everywhere, nowhere = np.all(outside, axis=1), ~np.any(outside, axis=1)
+        if not np.all(everywhere | nowhere):
+            raise ValueError("within the tolerances a leg leans outwards in some machines, inwards in others")
+        return np.where(everywhere, branches, -branches)

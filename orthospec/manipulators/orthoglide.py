@@ -33,7 +33,7 @@ class Orthoglide(PrismaticManipulator):
             axes=np.eye(3),
             bases=ends,
             joints=ends,
-            lengths=np.array(self.leg_lengths),
+            lengths=self._lengths,
             branches=branches,
             revolutes=np.roll(np.eye(3), 1, axis=0),
             home=np.eye(3),

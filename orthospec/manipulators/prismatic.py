@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 
@@ -84,6 +84,7 @@ class PrismaticManipulator(Manipulator):
     gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, 0.0, 0.0)
     """Acceleration of gravity along x, y and z [m/s^2]."""
 
+    toleranced: ClassVar[Mapping[str, str]] = {"leg_lengths": "m"}
     index_units: ClassVar[Mapping[str, str]] = {
         "leg_length_total": "m",
         "stroke": "m",
@@ -100,6 +101,11 @@ class PrismaticManipulator(Manipulator):
     @abstractmethod
     def geometry(self) -> prismatic.PrismaticLegs:
         """Slides and legs of this design."""
+
+    @property
+    def _lengths(self) -> Array:
+        """L_i (3, 1), or (3, n) where each pose has legs of its own."""
+        return np.stack(self.leg_lengths).reshape(3, -1)
 
     # Kinematics.
 
@@ -148,7 +154,7 @@ class PrismaticManipulator(Manipulator):
         """The elasticity of the chains; `missing` says what it lacks."""
         assert self.legs is not None
         assert self.actuators.stiffness is not None
-        bars = [self.legs.bar_compliance(length) for length in self.leg_lengths]
+        bars: Any = [self.legs.bar_compliance(length) for length in self.leg_lengths]
         feet = np.zeros((3, 6, 6))
         if self.feet is not None:
             foot = self.feet.bar_compliance()
@@ -157,7 +163,7 @@ class PrismaticManipulator(Manipulator):
         return prismatic_elastic.Springs(
             actuator=1.0 / self.actuators.stiffness,
             feet=feet,
-            bars=np.array(bars),
+            bars=np.stack(bars),
             spacing=self.legs.spacing if self.legs.kind == "PRPaR" else None,
         )
 
@@ -194,7 +200,9 @@ class PrismaticManipulator(Manipulator):
     @cached_property
     def _masses(self) -> prismatic_inertia.Masses:
         return prismatic_inertia.Masses(
-            sliders=self._slider_mass, legs=np.array(self._leg_masses), platform=self._platform_mass
+            sliders=self._slider_mass,
+            legs=np.stack(self._leg_masses).reshape(3, -1).T,
+            platform=self._platform_mass,
         )
 
     @property
@@ -214,7 +222,8 @@ class PrismaticManipulator(Manipulator):
         if self.legs is None:
             return (0.0, 0.0, 0.0)
         bars = 2 if self.legs.kind == "PRPaR" else 1
-        return tuple(bars * (self.legs.bar_mass(length) or 0.0) for length in self.leg_lengths)
+        masses = [self.legs.bar_mass(length) for length in self.leg_lengths]
+        return tuple(0.0 if mass is None else bars * mass for mass in masses)
 
     # What can be had, and what it comes to.
 
@@ -267,7 +276,7 @@ class PrismaticManipulator(Manipulator):
             "total_mass": moving - (self.payload.mass if self.payload else 0.0),
             "moving_mass": moving,
             "foot_mass": self._foot_mass,
-            **{f"leg_{i + 1}_mass": float(mass) for i, mass in enumerate(masses.legs)},
+            **{f"leg_{i + 1}_mass": float(mass) for i, mass in enumerate(masses.legs[0])},
         }
         return {name: value for name, value in found.items() if not self.missing(name)}
 

@@ -40,7 +40,7 @@ class PrismaticLegs(NamedTuple):
     joints: Array
     """c_i, from the tool point to the leg's end on the platform (3, 3) [m]."""
     lengths: Array
-    """L_i (3,) [m]."""
+    """L_i (3, 1) [m]; (3, n) where each pose has legs of its own."""
     branches: Array
     """β_i (3,), 1 or −1."""
     revolutes: Array
@@ -73,7 +73,7 @@ def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     p = poses.T.copy()
     projected = machine.axes @ p + np.sum(offsets * machine.axes, axis=1)[:, None]
     across = p + offsets[:, :, None] - projected[:, None, :] * machine.axes[:, :, None]
-    closing = machine.lengths[:, None] ** 2 - np.sum(across**2, axis=1)
+    closing = machine.lengths**2 - np.sum(across**2, axis=1)
     with np.errstate(invalid="ignore"):
         along = machine.branches[:, None] * np.sqrt(closing)
     rho = projected + along
@@ -89,13 +89,13 @@ def inverse_jacobian(legs: Legs) -> Matrices:
 
 def leg_margins(machine: PrismaticLegs, legs: Legs) -> Array:
     """(s_i·e_i / L_i)² less the clearance (3, n): >= 0 where leg i closes its loop, smooth in the pose."""
-    margins: Array = legs.closing / machine.lengths[:, None] ** 2 - CLEARANCE**2
+    margins: Array = legs.closing / machine.lengths**2 - CLEARANCE**2
     return margins
 
 
 def unit_legs(machine: PrismaticLegs, legs: Legs) -> Array:
     """β_i s_i / L_i (3, 3, n): the rows of J⁻¹ up to the positive factors |s_i·e_i| / L_i."""
-    units: Array = legs.s * (machine.branches / machine.lengths)[:, None, None]
+    units: Array = legs.s * (machine.branches[:, None] / machine.lengths)[:, None, :]
     return units
 
 
