@@ -143,7 +143,7 @@ def legs_of(machine, pose):
     found = []
     g = machine.geometry
     for i in range(3):
-        e, d = vector(g.axes[i]), vector(pose) + vector(g.joints[i]) - vector(g.bases[i])
+        e, d = vector(g.axes[i]), vector(pose) + vector(g.joints[i, :, 0]) - vector(g.bases[i, :, 0])
         across = d - dot(d, e) * e
         closing = mpmath.mpf(float(g.lengths[i, 0])) ** 2 - dot(across, across)
         along = float(g.branches[i]) * mpmath.sqrt(closing)
@@ -173,7 +173,7 @@ def compliance(machine, legs):
         none = mpmath.zeros(3, 1)
         at_foot = columns([(u, none), *((none, m) for m in moments)])
         D += at_foot.T * matrix(springs.feet[i]) * at_foot
-        W = columns([(u, cross(vector(g.joints[i]), u)), *((none, m) for m in moments)])
+        W = columns([(u, cross(vector(g.joints[i, :, 0]), u)), *((none, m) for m in moments)])
         K += W * D**-1 * W.T
     return K**-1
 

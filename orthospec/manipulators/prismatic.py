@@ -265,7 +265,7 @@ class PrismaticManipulator(Manipulator):
         ``leg_1_mass`` ... of each leg with all of its bars.
         """
         machine = self.geometry
-        ends = machine.bases[:, None, :] + joint_ranges[:, :, None] * machine.axes[:, None, :]
+        ends = machine.bases[:, None, :, 0] + joint_ranges[:, :, None] * machine.axes[:, None, :]
         room = np.ptp(ends.reshape(-1, 3), axis=0)
         masses = self._masses
         moving = 3 * masses.sliders + float(masses.legs.sum()) + masses.platform
@@ -283,12 +283,13 @@ class PrismaticManipulator(Manipulator):
     def skeleton(self, poses: Poses) -> Skeleton:
         """Slides from their base points to the sliders, the legs' bars, and the platform's arms."""
         machine, rho = self.geometry, self.inverse_kinematics(poses)[0]
-        slider = machine.bases + rho[:, :, None] * machine.axes
+        bases, joints = machine.bases[:, :, 0], machine.joints[:, :, 0]
+        slider = bases + rho[:, :, None] * machine.axes
         tool = np.broadcast_to(poses[:, None, :], slider.shape)
-        joint = tool + machine.joints
+        joint = tool + joints
         thickness = 0.02 * float(np.mean(machine.lengths))
         spacing = self.legs.spacing if self.legs is not None and self.legs.kind == "PRPaR" else None
-        lines = [("slide", np.broadcast_to(machine.bases, slider.shape), slider, thickness)]
+        lines = [("slide", np.broadcast_to(bases, slider.shape), slider, thickness)]
         if spacing is None:
             lines.append(("leg", slider, joint, thickness / 2))
         else:
@@ -301,7 +302,7 @@ class PrismaticManipulator(Manipulator):
                 (f"link_{end}", at - half, at + half, thickness / 2)
                 for end, at in (("outer", slider), ("inner", joint))
             ]
-        if machine.joints.any():
+        if joints.any():
             lines.append(("arm", joint, tool, thickness / 2))
         return Skeleton(
             segments=np.concatenate([np.stack([a, b], axis=2) for _, a, b, _ in lines], axis=1),

@@ -55,7 +55,9 @@ def compliance(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array:
     for start in range(0, legs.poses, BLOCK):
         part = slice(start, start + BLOCK)
         bars = springs.bars if springs.bars.ndim == 3 else springs.bars[:, part]
-        compliances, wrenches = _chains(machine, springs._replace(bars=bars), units[:, :, part])
+        joints = machine.joints if machine.joints.shape[2] == 1 else machine.joints[:, :, part]
+        here = machine._replace(joints=joints), springs._replace(bars=bars)
+        compliances, wrenches = _chains(*here, units[:, :, part])
         through = _through_drives if is_rigid else parallel_compliance
         found[part] = through(compliances, wrenches)
     return found
@@ -101,7 +103,7 @@ def _chains(machine: PrismaticLegs, springs: Springs, units: Array) -> tuple[Arr
         bar = _bar(machine.revolutes[i], units[i])
         moments = (bar.t,) if springs.spacing is None else (bar.t, bar.z)
         wrenches[:, i, 0, :3] = bar.u.T
-        wrenches[:, i, 0, 3:] = (_crossing(machine.joints[i]) @ bar.u).T
+        wrenches[:, i, 0, 3:] = np.cross(machine.joints[i], bar.u, axis=0).T
         for k, moment in enumerate(moments, start=1):
             wrenches[:, i, k, 3:] = moment.T
         compliances[:, i] = _leg(springs, i, bar)
