@@ -38,7 +38,9 @@ if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags
 
 BATCH = 4096
-"""Boxes at a time."""
+"""Most boxes at a time."""
+CORNERS = 65_536
+"""Most corners of boxes at a time, at which eigenvalues are asked."""
 MATTERS = 0.01
 """A coordinate that changes a value by less than this part of what another one does matters little."""
 LONGER = 4.0
@@ -214,8 +216,9 @@ def _across(change: Array, length: Array, can_be_cut: Flags) -> NDArray[np.intp]
 
 
 def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
-    cuts = range(0, len(boxes), BATCH)
-    return [(boxes[i : i + BATCH], excess[:, i : i + BATCH]) for i in cuts]
+    size = min(BATCH, CORNERS >> boxes.lo.shape[1])
+    cuts = range(0, len(boxes), size)
+    return [(boxes[i : i + size], excess[:, i : i + size]) for i in cuts]
 
 
 def _reason(error: Exception) -> str:
