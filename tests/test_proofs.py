@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from orthospec import registry
+from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Measure
-from orthospec.optimise import evaluate_spec, hired, proofs, solve, with_proof
+from orthospec.optimise import evaluate_spec, hired, proofs, remembering, solve, with_proof
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
 from orthospec.result import compose
 from orthospec.show import show
 from orthospec.spec import ProofKeys
+from orthospec.workspace.evaluate import Prescribed
 
 HEAD = """\
 orthospec: 1
@@ -166,3 +171,92 @@ def test_ctrl_c_leaves_the_proof_out(spec_of, monkeypatch):
     assert outcome.finding.status == "unfinished"
     assert outcome.finding.design.values["leg"] == pytest.approx(LEG, rel=1e-8)
     assert outcome.finding.evaluation.prescribed.proof is None
+
+
+# Tolerances.
+
+OFF = "manipulator.tolerance={leg_lengths: 0.5 mm}"
+
+
+def proof_of(spec_of, leg, setting):
+    spec = spec_of(HEAD, setting)
+    finding = evaluate_spec(spec, {"leg": leg}).finding
+    point = [(finding.design, finding.evaluation)]
+    (evaluation,) = proofs.proved(Here(), DesignSpace(spec), point, ProofKeys(), of=(Prescribed,))
+    return evaluation.prescribed, compose(spec, replace(finding, evaluation=evaluation)), spec
+
+
+def test_room_makes_the_proof_hold_for_every_machine_within_its_tolerances(spec_of):
+    prescribed, content, spec = proof_of(spec_of, LEG + 5e-4, OFF)
+    assert (prescribed.proof.verdict, prescribed.proof.nominal, prescribed.holds) == (
+        "proved",
+        "proved",
+        True,
+    )
+    text = " ".join(show(content, spec=spec, width=90, colour=False).split())
+    assert "at every pose, for every machine within its tolerances (" in text
+
+
+def test_a_design_that_ends_on_its_bounds_is_refuted_with_the_machine_that_fails(solved, spec_of):
+    spec = spec_of(HEAD, OFF)
+    finding = solve(spec).finding
+    assert finding.design.values == solved[1].finding.design.values
+    assert finding.status == solved[1].finding.status
+    prescribed, joint = finding.evaluation.prescribed, finding.evaluation.joint
+    assert prescribed.holds
+    assert joint.proved == solved[1].finding.evaluation.joint.proved
+    content = compose(spec, finding)
+    proof = content["workspace"]["prescribed"]["proof"]
+    assert (proof["verdict"], proof["nominal"], proof["condition"]) == (
+        "refuted",
+        "proved",
+        "transmission: at_most",
+    )
+    lengths = proof["machine"]["leg_lengths"]
+    assert lengths == pytest.approx([LEG - 5e-4] * 3, rel=1e-8)
+    factors = (
+        spec.design({"leg": lengths[0]})
+        .demands[0]
+        .measure.values(Orthoglide(leg_lengths=lengths), np.array([proof["at"]]))
+    )
+    assert factors[0, 1] == pytest.approx(2 * (1 + proof["excess"]), rel=1e-12)
+    text = " ".join(show(content, spec=spec, width=90, colour=False).split())
+    assert (
+        "(-126.795, -126.795, -126.795) mm with leg_lengths 3 x 310.083 mm; the machine as designed" in text
+    )
+
+
+def test_a_design_that_fails_itself_is_refuted_as_it_is(spec_of):
+    prescribed, content, _ = proof_of(spec_of, 0.305, OFF)
+    assert not prescribed.holds
+    assert (prescribed.proof.verdict, prescribed.proof.nominal) == ("refuted", "refuted")
+    assert "machine" not in content["workspace"]["prescribed"]["proof"]
+
+
+def test_another_tolerance_makes_only_the_proofs_anew(spec_of, tmp_path):
+    def made(*settings):
+        with remembering(Here(), tmp_path) as workers:
+            solve(spec_of(HEAD, *settings), workers=workers)
+            return workers.asked - workers.known
+
+    cuboids = 2  # The prescribed one, and the largest: of all measures and of the one alike.
+    assert made() > cuboids
+    assert made(OFF) == cuboids
+    assert made(OFF) == 0
+    assert made("manipulator.tolerance={leg_lengths: 0}") == 0
+
+
+def test_the_hash_of_a_spec_tells_its_tolerances(spec_of):
+    plain, one, same, other, none = (
+        spec_of(HEAD, *setting).sha256()
+        for setting in (
+            (),
+            (OFF,),
+            ("manipulator.tolerance={leg_lengths: 0.0005}",),
+            ("manipulator.tolerance={leg_lengths: 0.6 mm}",),
+            ("manipulator.tolerance={leg_lengths: 0}",),
+        )
+    )
+    assert one == same
+    assert plain == none
+    assert len({plain, one, other}) == 3
