@@ -64,7 +64,7 @@ def straightforward(machine: PrismaticManipulator, poses: np.ndarray) -> np.ndar
         cosine = np.linalg.norm(z, axis=1)
         z /= cosine[:, None]
         frames = np.stack([x, np.cross(z, x), z], axis=1)
-        inner, outer = np.tile(geometry.joints[i], (n, 1)), geometry.joints[i] + s[:, i]
+        inner, outer = np.tile(geometry.joints[i, :, 0], (n, 1)), geometry.joints[i, :, 0] + s[:, i]
         pair = parallelogram_stiffness(springs.bars[i], spacing=springs.spacing, cos=cosine, sin=x @ a)
         space = np.broadcast_to(np.eye(3), (n, 3, 3))
         drive = np.tile(np.concatenate([geometry.axes[i], np.zeros(3)]), (n, 1))

@@ -49,6 +49,16 @@ def test_deflections_are_the_textbook_ones():
     assert M * bent_z[1] == pytest.approx(M * LENGTH**2 / (2 * E * SECTION.Iz))
 
 
+def test_bars_of_several_lengths_have_the_compliance_of_each():
+    several = np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]])
+    found = cantilever(SECTION, STEEL, several)
+    assert found.shape == (2, 3, 6, 6)
+    for place in np.ndindex(2, 3):
+        np.testing.assert_allclose(
+            found[place], cantilever(SECTION, STEEL, float(several[place])), rtol=1e-15
+        )
+
+
 @given(lengths, lengths)
 def test_two_bars_end_to_end_are_one_long_bar(one, other):
     first, second = cantilever(SECTION, STEEL, one), cantilever(SECTION, STEEL, other)

@@ -143,9 +143,9 @@ def legs_of(machine, pose):
     found = []
     g = machine.geometry
     for i in range(3):
-        e, d = vector(g.axes[i]), vector(pose) + vector(g.joints[i]) - vector(g.bases[i])
+        e, d = vector(g.axes[i]), vector(pose) + vector(g.joints[i, :, 0]) - vector(g.bases[i, :, 0])
         across = d - dot(d, e) * e
-        closing = mpmath.mpf(float(g.lengths[i])) ** 2 - dot(across, across)
+        closing = mpmath.mpf(float(g.lengths[i, 0])) ** 2 - dot(across, across)
         along = float(g.branches[i]) * mpmath.sqrt(closing)
         found.append(((dot(d, e) + along) * e - d, along))
     return found
@@ -155,7 +155,7 @@ def compliance(machine, legs):
     """C = (Σ W D⁻¹ Wᵀ)⁻¹ with each D from beam theory."""
     g, springs, K = machine.geometry, machine.springs, mpmath.zeros(6)
     for i, (s, _) in enumerate(legs):
-        u, a = s / mpmath.mpf(float(g.lengths[i])), vector(g.revolutes[i])
+        u, a = s / mpmath.mpf(float(g.lengths[i, 0])), vector(g.revolutes[i])
         z = cross(a, u)
         cosine, sine = length(z), -dot(a, u)
         z = z / cosine
@@ -173,7 +173,7 @@ def compliance(machine, legs):
         none = mpmath.zeros(3, 1)
         at_foot = columns([(u, none), *((none, m) for m in moments)])
         D += at_foot.T * matrix(springs.feet[i]) * at_foot
-        W = columns([(u, cross(vector(g.joints[i]), u)), *((none, m) for m in moments)])
+        W = columns([(u, cross(vector(g.joints[i, :, 0]), u)), *((none, m) for m in moments)])
         K += W * D**-1 * W.T
     return K**-1
 
@@ -215,7 +215,7 @@ def elastic_values(machine, legs):
 
 def dynamic_values(machine, inverse):
     g, masses = machine.geometry, machine._masses
-    sliders, m = mpmath.mpf(masses.sliders), vector(masses.legs)
+    sliders, m = mpmath.mpf(masses.sliders), vector(masses.legs[0])
     G = mpmath.mpf(masses.platform) * mpmath.eye(3)
     gravity, J = vector(machine.gravity), inverse**-1
     rest = -(mpmath.mpf(masses.platform) + mpmath.fsum(m) / 2) * (J.T * gravity)

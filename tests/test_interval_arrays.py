@@ -92,6 +92,7 @@ ARRAYS = {
     "spectral norm": lambda p: np.linalg.norm(matrices(p), 2, axis=(1, 2)),
     "determinant": lambda p: np.linalg.det(matrices(p)),
     "inverse": lambda p: np.linalg.inv(matrices(p) + 2 * np.eye(3)),
+    "pseudo-inverse": lambda p: np.linalg.pinv(matrices(p) + 2 * np.eye(3)),
     "solve": lambda p: np.linalg.solve(matrices(p) + 2 * np.eye(3), CONSTANT),
     "eigenvalues": lambda p: np.linalg.eigvalsh(matrices(p) + np.swapaxes(matrices(p), 1, 2)),
     "singular values": lambda p: np.linalg.svd(matrices(p), compute_uv=False),

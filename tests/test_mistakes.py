@@ -283,6 +283,41 @@ CHANGES = {
         "use: orthoglide", "use:orthoglide",
         ["8:14: a ':' where none can stand; is the indentation wrong, or a quote missing?"],
     ),
+    "a tolerance of an unknown field": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: {leg_length: 1 mm}\n",
+        ["9:15: unknown field 'leg_length'; did you mean 'leg_lengths'?"],
+    ),
+    "a tolerance of a field that takes none": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: {branch: 1}\n",
+        ["9:15: 'branch' takes no tolerance; known here: leg_lengths"],
+    ),
+    "a tolerance that is no length": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: {leg_lengths: 1 kg}\n",
+        ["9:28: 1 kg is a mass, a length [m] was expected"],
+    ),
+    "a tolerance below 0": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: {leg_lengths: -1 mm}\n",
+        ["9:28: 0 or more was expected, -0.001 given"],
+    ),
+    "a tolerance with a variable": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: {leg_lengths: base}\n",
+        ["9:28: 'base' is not a number or quantity, and no variable can stand here"],
+    ),
+    "a tolerance as great as the field": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: {leg_lengths: 2 m}\n",
+        ["9:28: less than the field's own 2 was expected, 2 given"],
+    ),
+    "a tolerance of nothing": (
+        "  leg_lengths: [base, base, third]\n",
+        "  leg_lengths: [base, base, third]\n  tolerance: 1 mm\n",
+        ["9:14: a mapping was expected, '1 mm' given"],
+    ),
     "a list for a mapping": (
         "  base_legs: {minimise: base, goal: 1.3}\n  third_leg: {minimise: third, goal: 1.3}\n",
         "  - {minimise: base, goal: 1.3}\n", ["18:3: a mapping was expected, a list given"],

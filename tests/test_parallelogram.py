@@ -75,6 +75,14 @@ def test_closed_form_equals_two_chains_for_any_bar(seed, spacing):
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
+def test_bars_that_differ_from_pose_to_pose_are_each_what_they_are_alone():
+    factors = np.linspace(0.5, 2, len(ANGLES))
+    found = parallelogram_compliance(factors[:, None, None] * beam(), **at(ANGLES))
+    for i, factor in enumerate(factors):
+        alone = parallelogram_compliance(factor * beam(), **at(ANGLES[i : i + 1]))
+        np.testing.assert_allclose(found[i], alone[0], rtol=1e-13)
+
+
 def test_stiffness_is_that_of_the_textbook_for_beams():
     cos, sin = np.cos(ANGLES), np.sin(ANGLES)
     k11, k44 = 1 / (AXIAL * LENGTH), 1 / (TORSION * LENGTH)

@@ -19,9 +19,9 @@ def random_machine(random: np.random.Generator) -> PrismaticLegs:
     axes = np.eye(3) + random.uniform(-0.3, 0.3, (3, 3))
     return PrismaticLegs(
         axes=axes / np.linalg.norm(axes, axis=1)[:, None],
-        bases=random.uniform(-0.2, 0.2, (3, 3)),
-        joints=random.uniform(-0.2, 0.2, (3, 3)),
-        lengths=random.uniform(1.0, 2.0, 3),
+        bases=random.uniform(-0.2, 0.2, (3, 3, 1)),
+        joints=random.uniform(-0.2, 0.2, (3, 3, 1)),
+        lengths=random.uniform(1.0, 2.0, (3, 1)),
         branches=random.choice([1.0, -1.0], 3),
         revolutes=np.roll(np.eye(3), 1, axis=0),
         home=np.eye(3),
@@ -31,9 +31,9 @@ def random_machine(random: np.random.Generator) -> PrismaticLegs:
 def orthogonal_machine(length: float) -> PrismaticLegs:
     return PrismaticLegs(
         axes=np.eye(3),
-        bases=np.zeros((3, 3)),
-        joints=np.zeros((3, 3)),
-        lengths=np.full(3, length),
+        bases=np.zeros((3, 3, 1)),
+        joints=np.zeros((3, 3, 1)),
+        lengths=np.full((3, 1), length),
         branches=np.ones(3),
         revolutes=np.roll(np.eye(3), 1, axis=0),
         home=np.eye(3),
@@ -44,10 +44,10 @@ def exact_sliders(machine: PrismaticLegs, pose) -> list:
     """The root of |b + ρe − p − c|² = L² on the branch's side, in 50 digits."""
     found = []
     for e, b, c, length, sign in zip(*machine[:5], strict=True):
-        d = [mpmath.mpf(float(c[k])) - mpmath.mpf(float(b[k])) + pose[k] for k in range(3)]
+        d = [mpmath.mpf(float(c[k, 0])) - mpmath.mpf(float(b[k, 0])) + pose[k] for k in range(3)]
         half = sum(mpmath.mpf(float(e[k])) * d[k] for k in range(3))
         square = sum(mpmath.mpf(float(e[k])) ** 2 for k in range(3))
-        rest = sum(x * x for x in d) - mpmath.mpf(float(length)) ** 2
+        rest = sum(x * x for x in d) - mpmath.mpf(float(length[0])) ** 2
         found.append((half + int(sign) * mpmath.sqrt(half**2 - square * rest)) / square)
     return found
 
@@ -59,7 +59,7 @@ def test_legs_have_their_lengths_and_stand_on_their_branch(seed):
     machine, poses = random_machine(random), random.uniform(-0.3, 0.3, (20, 3))
     legs = prismatic.close(machine, poses)
     lengths = np.linalg.norm(legs.s, axis=1)
-    np.testing.assert_allclose(lengths, np.tile(machine.lengths, (20, 1)).T, rtol=1e-12)
+    np.testing.assert_allclose(lengths, np.tile(machine.lengths, 20), rtol=1e-12)
     along = np.einsum("ikn,ik->ni", legs.s, machine.axes)
     np.testing.assert_allclose(legs.along, along.T, rtol=1e-9)
     assert (along * machine.branches > 0).all()

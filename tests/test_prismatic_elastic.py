@@ -9,7 +9,7 @@ import pytest
 
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
-from orthospec.mechanics import prismatic_elastic
+from orthospec.mechanics import prismatic, prismatic_elastic
 from orthospec.mechanics.virtual_joints import parallel_compliance
 
 L, D_BARS = 0.31, 0.08
@@ -91,7 +91,7 @@ def chain_by_the_paper(machine, i, pose, kind, *, feet):
     geometry = machine.geometry
     s = machine.closed_legs(pose[None]).s[i, :, 0]
     e, a = geometry.axes[i], geometry.revolutes[i]
-    outer, inner = geometry.joints[i] + s, geometry.joints[i]
+    outer, inner = geometry.joints[i, :, 0] + s, geometry.joints[i, :, 0]
     x = -s / np.linalg.norm(s)
     z = np.cross(x, a) / np.linalg.norm(np.cross(x, a))
     y = np.cross(z, x)
@@ -213,8 +213,8 @@ def test_rigid_legs_leave_the_drives_and_transmit_moments_rigidly():
 @pytest.mark.parametrize("kind", KINDS)
 def test_rigid_chains_are_what_the_general_method_makes_of_them(kind):
     machine, poses = orthoglide(kind, legs={"section": "rigid"}, offset=0.04), random_poses(20, 8)
-    legs = machine.closed_legs(poses)
-    general = parallel_compliance(*prismatic_elastic._chains(machine.geometry, machine.springs, legs.s))
+    units = prismatic.unit_legs(machine.geometry, machine.closed_legs(poses))
+    general = parallel_compliance(*prismatic_elastic._chains(machine.geometry, machine.springs, units))
     found = machine.compliance(poses)
     np.testing.assert_allclose(found, general, rtol=1e-9, atol=1e-12 * np.abs(found).max())
     assert np.isnan(machine.compliance(np.array([[0.4, 0.4, 0.0]]))).all()

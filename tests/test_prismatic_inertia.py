@@ -84,8 +84,8 @@ def test_rest_load_is_the_slope_of_the_potential_over_the_sliders(machine):
 
     def potential(p):
         geometry, rho = machine.geometry, machine.inverse_kinematics(p[None])[0][0]
-        sliders = geometry.bases + rho[:, None] * geometry.axes
-        middles = (sliders + p + geometry.joints) / 2
+        sliders = geometry.bases[:, :, 0] + rho[:, None] * geometry.axes
+        middles = (sliders + p + geometry.joints[:, :, 0]) / 2
         return -gravity @ (1.6 * p + 1.7 * sliders.sum(axis=0) + np.array(masses) @ middles)
 
     slope = [(potential(pose + h * e) - potential(pose - h * e)) / (2 * h) for e in np.eye(3)]

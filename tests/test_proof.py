@@ -220,3 +220,76 @@ def test_each_measure_is_proved_next_to_its_extremes_and_refuted_beyond(name, ma
             bound = extreme * (1 + part if side == "at_most" else 1 - part)
             claims = claims_of(manipulator, measure, {side: float(bound)}, cuboid, boxes=20_000)
             assert claims["it", side].verdict == verdict, claims["it", side].why
+
+
+# Machines within tolerances.
+
+
+def within(leg, tolerance, bounds=FACTORS, slack=1e-6, **keys):
+    """The claims on the 200 mm cube for all Orthoglides whose legs are off by at most a tolerance [m]."""
+    machine = Machine(
+        Orthoglide(leg_lengths=(leg,) * 3, **keys), {"it": Demand("it", VelocityTransmission(), bounds)}
+    )
+    found = prove(machine, CUBE, slack=slack, tolerances={"leg_lengths": tolerance})
+    return {(c.condition.name, c.condition.side): c for c in found}
+
+
+def excess_in_worst_corner(leg):
+    """Of at_most 2 with three legs of a length.
+
+    At (q, q, q) J⁻¹ has the eigenvalues 1 − 2r and, twice, 1 + r, with r = q / sqrt(L² − 2q²).
+    """
+    r = np.array([LOW, HIGH]) / np.sqrt(leg**2 - 2 * np.array([LOW, HIGH]) ** 2)
+    return max(1 / np.abs([1 - 2 * r, 1 + r]).min() / 2 - 1, 0.0)
+
+
+@pytest.mark.parametrize("margin", [1e-4, 1e-3])
+def test_room_in_the_legs_is_what_they_may_be_off_by(margin):
+    """With legs longer than the shortest that do, by as much as the tolerance, all of them do."""
+    for part, verdict in ((0.9, "proved"), (1.0, "proved"), (1.01, "refuted")):
+        claims = within(LEG + margin, part * margin)
+        assert {claims["it", side].verdict for side in FACTORS} == {verdict}
+    refuted = claims["it", "at_most"]
+    shortest = LEG - 0.01 * margin
+    assert refuted.machine["leg_lengths"] == pytest.approx((shortest,) * 3, rel=1e-12)
+    assert refuted.excess == pytest.approx(excess_in_worst_corner(shortest), rel=1e-6)
+    own = Orthoglide(leg_lengths=refuted.machine["leg_lengths"])
+    factors = VelocityTransmission().values(own, np.array([refuted.at]))
+    assert factors[0, 1] == pytest.approx(2 * (1 + refuted.excess), rel=1e-12)
+
+
+def test_unequal_legs_within_tolerances_stay_within_what_is_proved():
+    claims, random = within(LEG + 2e-4, 2e-4), np.random.default_rng(2)
+    machines = LEG + 2e-4 + 2e-4 * np.round(random.uniform(-1, 1, (200, 3)), 0)
+    corners = np.array(list(itertools.product((LOW, HIGH), repeat=3)))
+    for lengths in machines:
+        factors = VelocityTransmission().values(Orthoglide(leg_lengths=tuple(lengths)), corners)
+        assert factors[:, 1].max() / 2 - 1 <= claims["it", "at_most"].excess
+        assert 1 - factors[:, 0].min() / 0.5 <= claims["it", "at_least"].excess
+
+
+def test_joint_limits_are_met_by_sliders_of_all_machines():
+    def least(leg):
+        return LOW + np.sqrt(leg**2 - 2 * LOW**2)
+
+    for tolerance in (1e-4, 1e-3):
+        for limit, verdict in ((0.9999, "proved"), (1.0021, "refuted")):
+            limits = {"min": limit * least(0.35 - tolerance)}
+            claim = within(0.35, tolerance, slack=1e-3, joint_limits=limits)["joint_limits.0", "at_least"]
+            assert claim.verdict == verdict
+    assert claim.machine["leg_lengths"][0] == pytest.approx(0.349, rel=1e-12)
+    assert claim.excess == pytest.approx(1 - 1 / limit, rel=1e-9)
+
+
+def test_a_measure_that_knows_one_machine_only_is_undecided():
+    class Single(Spike):
+        """Asks for the length of a leg as a number."""
+
+        def values(self, manipulator, poses):
+            return super().values(manipulator, poses) * float(manipulator.leg_lengths[0])
+
+    machine = Machine(orthoglide(), {"it": Demand("it", Single(), {"at_most": 2.0})})
+    claim = prove(machine, CUBE, slack=1e-3, tolerances={"leg_lengths": 1e-4})[-1]
+    assert claim.verdict == "undecided"
+    assert "float()" in claim.why
+    assert prove(machine, CUBE, slack=1e-3)[-1].verdict == "proved"

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from orthospec import registry
+from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Measure
-from orthospec.optimise import evaluate_spec, hired, proofs, solve, with_proof
+from orthospec.optimise import evaluate_spec, hired, proofs, remembering, solve, with_proof
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
 from orthospec.result import compose
 from orthospec.result.model import ProofRecord
 from orthospec.show import show, words
 from orthospec.spec import ProofKeys
+from orthospec.workspace.evaluate import Prescribed
 
 HEAD = """\
 orthospec: 1
@@ -100,14 +105,15 @@ def test_two_processes_prove_the_same(solved):
 
 
 class Bump(Measure):
-    """1 but for a bump a fifth of a millimetre wide, the lower the longer the legs: no lattice meets it."""
+    """Nearly flat but for a bump a fifth of a millimetre wide, the lower the longer the legs: no lattice meets it."""
 
     unit: ClassVar[str] = "1"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
 
     def values(self, manipulator, poses):
         square = np.sum((poses - PLACE) ** 2, axis=1)
-        return 1 + 5 * (0.4 - manipulator.leg_lengths[0]) * np.exp(-square / 1e-8)
+        bump = 5 * (0.4 - manipulator.leg_lengths[0]) * np.exp(-square / 1e-8)
+        return 1 + 0.1 * poses[:, 0] + bump
 
 
 PLACE = np.array([-0.0333, -0.0217, -0.0271])
@@ -133,7 +139,7 @@ def test_a_violation_smaller_than_a_cell_of_the_grid_is_found(bumpy):
 def test_a_design_that_a_proof_refutes_is_solved_on_until_one_is_proved(bumpy):
     """Without the pose that the proof found, the shortest legs would do."""
     finding = solve(bumpy).finding
-    assert finding.design.values["leg"] == pytest.approx(0.36, rel=1e-6)
+    assert finding.design.values["leg"] == pytest.approx(0.4 - (0.2 - 0.1 * PLACE[0]) / 5, rel=1e-6)
     assert finding.status == "compromise"
     assert finding.evaluation.prescribed.proof.verdict == "proved"
 
@@ -193,3 +199,92 @@ def test_ctrl_c_leaves_the_proof_out(spec_of, monkeypatch):
 )
 def test_each_verdict_has_its_sentence(record, said):
     assert words.proof(ProofRecord(slack=1e-3, **record), "HERE")[1] == said
+
+
+# Tolerances.
+
+OFF = "manipulator.tolerance={leg_lengths: 0.5 mm}"
+
+
+def proof_of(spec_of, leg, setting):
+    spec = spec_of(HEAD, setting)
+    finding = evaluate_spec(spec, {"leg": leg}).finding
+    point = [(finding.design, finding.evaluation)]
+    (evaluation,) = proofs.proved(Here(), DesignSpace(spec), point, ProofKeys(), of=(Prescribed,))
+    return evaluation.prescribed, compose(spec, replace(finding, evaluation=evaluation)), spec
+
+
+def test_room_makes_the_proof_hold_for_every_machine_within_its_tolerances(spec_of):
+    prescribed, content, spec = proof_of(spec_of, LEG + 5e-4, OFF)
+    assert (prescribed.proof.verdict, prescribed.proof.nominal, prescribed.holds) == (
+        "proved",
+        "proved",
+        True,
+    )
+    text = " ".join(show(content, spec=spec, width=90, colour=False).split())
+    assert "at every pose, for every machine within its tolerances (" in text
+
+
+def test_a_design_that_ends_on_its_bounds_is_refuted_with_the_machine_that_fails(solved, spec_of):
+    spec = spec_of(HEAD, OFF)
+    finding = solve(spec).finding
+    assert finding.design.values == solved[1].finding.design.values
+    assert finding.status == solved[1].finding.status
+    prescribed, joint = finding.evaluation.prescribed, finding.evaluation.joint
+    assert prescribed.holds
+    assert joint.proved == solved[1].finding.evaluation.joint.proved
+    content = compose(spec, finding)
+    proof = content["workspace"]["prescribed"]["proof"]
+    assert (proof["verdict"], proof["nominal"], proof["condition"]) == (
+        "refuted",
+        "proved",
+        "transmission: at_most",
+    )
+    lengths = proof["machine"]["leg_lengths"]
+    assert lengths == pytest.approx([LEG - 5e-4] * 3, rel=1e-8)
+    factors = (
+        spec.design({"leg": lengths[0]})
+        .demands[0]
+        .measure.values(Orthoglide(leg_lengths=lengths), np.array([proof["at"]]))
+    )
+    assert factors[0, 1] == pytest.approx(2 * (1 + proof["excess"]), rel=1e-12)
+    text = " ".join(show(content, spec=spec, width=90, colour=False).split())
+    assert (
+        "(-126.795, -126.795, -126.795) mm with leg_lengths 3 x 310.083 mm; the machine as designed" in text
+    )
+
+
+def test_a_design_that_fails_itself_is_refuted_as_it_is(spec_of):
+    prescribed, content, _ = proof_of(spec_of, 0.305, OFF)
+    assert not prescribed.holds
+    assert (prescribed.proof.verdict, prescribed.proof.nominal) == ("refuted", "refuted")
+    assert "machine" not in content["workspace"]["prescribed"]["proof"]
+
+
+def test_another_tolerance_makes_only_the_proofs_anew(spec_of, tmp_path):
+    def made(*settings):
+        with remembering(Here(), tmp_path) as workers:
+            solve(spec_of(HEAD, *settings), workers=workers)
+            return workers.asked - workers.known
+
+    cuboids = 2  # The prescribed one, and the largest: of all measures and of the one alike.
+    assert made() > cuboids
+    assert made(OFF) == cuboids
+    assert made(OFF) == 0
+    assert made("manipulator.tolerance={leg_lengths: 0}") == 0
+
+
+def test_the_hash_of_a_spec_tells_its_tolerances(spec_of):
+    plain, one, same, other, none = (
+        spec_of(HEAD, *setting).sha256()
+        for setting in (
+            (),
+            (OFF,),
+            ("manipulator.tolerance={leg_lengths: 0.0005}",),
+            ("manipulator.tolerance={leg_lengths: 0.6 mm}",),
+            ("manipulator.tolerance={leg_lengths: 0}",),
+        )
+    )
+    assert one == same
+    assert plain == none
+    assert len({plain, one, other}) == 3

@@ -184,6 +184,11 @@ class TestJointLimits:
 
 @pytest.mark.usefixtures("fitted")
 class TestKeysBeside:
+    def test_may_have_tolerances_which_are_no_field_of_the_machine(self, second):
+        spec = load_spec(second, ["manipulator.tolerance={leg_lengths: 0.1 mm}"])
+        assert spec.tolerances == pytest.approx({"leg_lengths": 1e-4}, rel=1e-12)
+        assert load_spec(second).tolerances == {}
+
     def test_add_what_is_open_at_any_depth(self, first, second):
         content = yaml.safe_load(first.read_text())
         change(first, manipulator={**content["manipulator"], "rods": {"kind": "square"}})

@@ -48,6 +48,12 @@ class Boxes:
         poses.make_read_only()
         return poses
 
+    def of_first(self, count: int) -> Boxes:
+        """The boxes of the first coordinates alone, whose poses remember how they depend on all of them."""
+        first = Boxes(self.lo[:, :count], self.hi[:, :count])
+        first.__dict__["poses"] = self.poses[:, :count]
+        return first
+
     def __getitem__(self, chosen: Flags | slice) -> Boxes:
         """Some of the boxes."""
         return Boxes(self.lo[chosen], self.hi[chosen])

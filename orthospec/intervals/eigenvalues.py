@@ -23,7 +23,7 @@ from orthospec.intervals.rounding import FEW, SPARE, TINY, ULP
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags
 
-CORNERS = 16
+CORNERS = 256
 """Most corners of a box that eigenvalues are asked at."""
 CLOSE = 2.0**-46
 """How far from computed eigenvalues verified bounds are tried, relative to the matrix's norm."""

@@ -50,6 +50,11 @@ def inverse(x: Any) -> Interval:
     return _loosened(found, np.where(np.isfinite(rest), rest, np.nan))
 
 
+def _pinv(x: Interval, rcond: Any = None, hermitian: bool = False, *, rtol: Any = None) -> Interval:  # noqa: ARG001
+    """A⁺ where it is A⁻¹; undefined where A may be singular, since A⁺ jumps there."""
+    return inverse(x)
+
+
 def _later_terms(Q: Array, term: Array) -> Array:
     """A bound on Q T + Q² T + ..., T >= 0 (..., m, k); inf or NaN where the sum may not converge.
 
@@ -140,6 +145,7 @@ def _cond(x: Any, p: Any = None) -> Any:
 
 TABLE: Mapping[Callable[..., Any], Callable[..., Any]] = {
     np.linalg.inv: inverse,
+    np.linalg.pinv: _pinv,
     np.linalg.solve: solve,
     np.linalg.det: determinant,
     np.linalg.eigvalsh: _eigvalsh,

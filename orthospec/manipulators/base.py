@@ -11,7 +11,7 @@ import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, cast
 
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 
@@ -58,6 +58,8 @@ class Manipulator(BaseModel, ABC):
     joint_units: ClassVar[tuple[str, ...]] = ("m", "m", "m")
     index_units: ClassVar[Mapping[str, str]] = {}
     """Names and units of the indices, known before a machine is built."""
+    toleranced: ClassVar[Mapping[str, str]] = {}
+    """Fields that may be off by a tolerance, with their units: `varied` machines have arrays in them."""
 
     _memory: dict[str, tuple[object, Any]] = PrivateAttr(default_factory=dict)
 
@@ -71,6 +73,16 @@ class Manipulator(BaseModel, ABC):
             if name in cls.__dict__:
                 method = _faulting(name, cls.__dict__[name])
                 setattr(cls, name, remembering(method) if name in _FIELDS else method)
+
+    def varied(self, fields: Mapping[str, Any]) -> Self:
+        """This machine with other values in some `toleranced` fields, which no validator sees.
+
+        In the place of each number of such a field there may be an array (n,), or an interval, with a value
+        of its own for each pose of the block that the machine is then asked about. Reach and fields serve
+        these; indices and skeleton need not.
+        """
+        own = {name: getattr(self, name) for name in type(self).model_fields}
+        return cast("Self", self.model_construct(**{**own, **fields}))
 
     @abstractmethod
     def inverse_kinematics(self, poses: Poses) -> tuple[Joints, Flags]:

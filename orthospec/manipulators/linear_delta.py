@@ -8,8 +8,9 @@ is alike; with 90 deg they form a horizontal star.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -32,6 +33,10 @@ class LinearDelta(PrismaticManipulator):
     the leg's other end at p + r r_i: R ``base_radius``, r ``platform_radius``, τ ``rail_tilt``. Row i of J⁻¹
     is s_iᵀ / (s_i·e_i). The legs' first revolute axes, or short links, are the tangents z × r_i.
     """
+
+    toleranced: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("leg_lengths", "base_radius", "platform_radius"), "m"
+    )
 
     base_radius: Annotated[Length, Field(ge=0)]
     """Radius of the circle on which the slides have ρ = 0 [m]."""
@@ -59,9 +64,9 @@ class LinearDelta(PrismaticManipulator):
         branches = np.array(self.branch, dtype=float)
         return PrismaticLegs(
             axes=math.sin(self.rail_tilt) * radial + math.cos(self.rail_tilt) * up,
-            bases=self.base_radius * radial,
-            joints=self.platform_radius * radial,
-            lengths=np.array(self.leg_lengths),
+            bases=radial[:, :, None] * self.base_radius,
+            joints=radial[:, :, None] * self.platform_radius,
+            lengths=self._lengths,
             branches=branches,
             revolutes=np.cross(up, radial),
             home=(self._lean[:, None] * radial + up) / math.sqrt(2),
@@ -73,11 +78,12 @@ class LinearDelta(PrismaticManipulator):
 
         On flat rails they lean as their slides do. On steep ones that decides itself where a slider, a leg's
         length along its slide, is farther out than the platform's joint or not: in between, the machine is
-        singular.
+        singular. NaN where several machines are asked about at once that differ in this.
         """
         branches = np.array(self.branch, dtype=float)
         if abs(self.rail_tilt) > math.pi / 4:
             return np.full(3, math.copysign(1.0, self.rail_tilt))
-        travel = branches * np.array(self.leg_lengths)
-        radius = self.base_radius + travel * math.sin(self.rail_tilt)
-        return np.where(radius >= self.platform_radius, branches, -branches)
+        travel = branches[:, None] * self._lengths
+        outside = self.base_radius + travel * math.sin(self.rail_tilt) >= self.platform_radius
+        mixed_or_not = np.where(np.any(outside, axis=1), np.nan, -branches)
+        return np.where(np.all(outside, axis=1), branches, mixed_or_not)

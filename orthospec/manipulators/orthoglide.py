@@ -28,12 +28,12 @@ class Orthoglide(PrismaticManipulator):
         """Slides along the coordinate axes; the slides' base points stand off as far as the legs' ends do."""
         branches = np.array(self.branch, dtype=float)
         offset = 0.0 if self.legs is None else self.legs.offset
-        ends = np.diag(branches * offset)
+        ends = np.diag(branches * offset)[:, :, None]
         return PrismaticLegs(
             axes=np.eye(3),
             bases=ends,
             joints=ends,
-            lengths=np.array(self.leg_lengths),
+            lengths=self._lengths,
             branches=branches,
             revolutes=np.roll(np.eye(3), 1, axis=0),
             home=np.eye(3),

@@ -49,8 +49,8 @@ class Legs(BaseModel):
             raise ValueError("'spacing' is of the two bars of a PRPaR leg: give 'kind' too, PRPaR or PUU")
         return self
 
-    def bar_compliance(self, length: float) -> Array | None:
-        """C (6, 6) of one bar in its own frame; zeros where it is rigid, None where it is not known."""
+    def bar_compliance(self, length: float | Array) -> Array | None:
+        """C (..., 6, 6) of one bar in its own frame; zeros where it is rigid, None where it is not known."""
         return _compliance(self, length)
 
     def bar_mass(self, length: float) -> float | None:
@@ -130,7 +130,7 @@ class Body(BaseModel):
     """Mass [kg]."""
 
 
-def _compliance(bar: Legs | Feet, length: float) -> Array | None:
+def _compliance(bar: Legs | Feet, length: float | Array) -> Array | None:
     if bar.section is not None and bar.section.compliance is not None:
         given = np.array(bar.section.compliance)
         return np.asarray((given + given.T) / 2)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 
@@ -84,6 +84,7 @@ class PrismaticManipulator(Manipulator):
     gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, 0.0, 0.0)
     """Acceleration of gravity along x, y and z [m/s^2]."""
 
+    toleranced: ClassVar[Mapping[str, str]] = {"leg_lengths": "m"}
     index_units: ClassVar[Mapping[str, str]] = {
         "leg_length_total": "m",
         "stroke": "m",
@@ -100,6 +101,11 @@ class PrismaticManipulator(Manipulator):
     @abstractmethod
     def geometry(self) -> prismatic.PrismaticLegs:
         """Slides and legs of this design."""
+
+    @property
+    def _lengths(self) -> Array:
+        """L_i (3, 1), or (3, n) where each pose has legs of its own."""
+        return np.stack(self.leg_lengths).reshape(3, -1)
 
     # Kinematics.
 
@@ -148,7 +154,7 @@ class PrismaticManipulator(Manipulator):
         """The elasticity of the chains; `missing` says what it lacks."""
         assert self.legs is not None
         assert self.actuators.stiffness is not None
-        bars = [self.legs.bar_compliance(length) for length in self.leg_lengths]
+        bars: Any = [self.legs.bar_compliance(length) for length in self.leg_lengths]
         feet = np.zeros((3, 6, 6))
         if self.feet is not None:
             foot = self.feet.bar_compliance()
@@ -157,7 +163,7 @@ class PrismaticManipulator(Manipulator):
         return prismatic_elastic.Springs(
             actuator=1.0 / self.actuators.stiffness,
             feet=feet,
-            bars=np.array(bars),
+            bars=np.stack(bars),
             spacing=self.legs.spacing if self.legs.kind == "PRPaR" else None,
         )
 
@@ -194,7 +200,9 @@ class PrismaticManipulator(Manipulator):
     @cached_property
     def _masses(self) -> prismatic_inertia.Masses:
         return prismatic_inertia.Masses(
-            sliders=self._slider_mass, legs=np.array(self._leg_masses), platform=self._platform_mass
+            sliders=self._slider_mass,
+            legs=np.stack(self._leg_masses).reshape(3, -1).T,
+            platform=self._platform_mass,
         )
 
     @property
@@ -214,7 +222,8 @@ class PrismaticManipulator(Manipulator):
         if self.legs is None:
             return (0.0, 0.0, 0.0)
         bars = 2 if self.legs.kind == "PRPaR" else 1
-        return tuple(bars * (self.legs.bar_mass(length) or 0.0) for length in self.leg_lengths)
+        masses = [self.legs.bar_mass(length) for length in self.leg_lengths]
+        return tuple(0.0 if mass is None else bars * mass for mass in masses)
 
     # What can be had, and what it comes to.
 
@@ -256,7 +265,7 @@ class PrismaticManipulator(Manipulator):
         ``leg_1_mass`` ... of each leg with all of its bars.
         """
         machine = self.geometry
-        ends = machine.bases[:, None, :] + joint_ranges[:, :, None] * machine.axes[:, None, :]
+        ends = machine.bases[:, None, :, 0] + joint_ranges[:, :, None] * machine.axes[:, None, :]
         room = np.ptp(ends.reshape(-1, 3), axis=0)
         masses = self._masses
         moving = 3 * masses.sliders + float(masses.legs.sum()) + masses.platform
@@ -267,19 +276,20 @@ class PrismaticManipulator(Manipulator):
             "total_mass": moving - (self.payload.mass if self.payload else 0.0),
             "moving_mass": moving,
             "foot_mass": self._foot_mass,
-            **{f"leg_{i + 1}_mass": float(mass) for i, mass in enumerate(masses.legs)},
+            **{f"leg_{i + 1}_mass": float(mass) for i, mass in enumerate(masses.legs[0])},
         }
         return {name: value for name, value in found.items() if not self.missing(name)}
 
     def skeleton(self, poses: Poses) -> Skeleton:
         """Slides from their base points to the sliders, the legs' bars, and the platform's arms."""
         machine, rho = self.geometry, self.inverse_kinematics(poses)[0]
-        slider = machine.bases + rho[:, :, None] * machine.axes
+        bases, joints = machine.bases[:, :, 0], machine.joints[:, :, 0]
+        slider = bases + rho[:, :, None] * machine.axes
         tool = np.broadcast_to(poses[:, None, :], slider.shape)
-        joint = tool + machine.joints
+        joint = tool + joints
         thickness = 0.02 * float(np.mean(machine.lengths))
         spacing = self.legs.spacing if self.legs is not None and self.legs.kind == "PRPaR" else None
-        lines = [("slide", np.broadcast_to(machine.bases, slider.shape), slider, thickness)]
+        lines = [("slide", np.broadcast_to(bases, slider.shape), slider, thickness)]
         if spacing is None:
             lines.append(("leg", slider, joint, thickness / 2))
         else:
@@ -292,7 +302,7 @@ class PrismaticManipulator(Manipulator):
                 (f"link_{end}", at - half, at + half, thickness / 2)
                 for end, at in (("outer", slider), ("inner", joint))
             ]
-        if machine.joints.any():
+        if joints.any():
             lines.append(("arm", joint, tool, thickness / 2))
         return Skeleton(
             segments=np.concatenate([np.stack([a, b], axis=2) for _, a, b, _ in lines], axis=1),

@@ -26,16 +26,19 @@ PRINTED = 1e-6
 """How far a given compliance may be from symmetric and semidefinite: programs print some seven digits."""
 
 
-def cantilever(section: Section, material: Material, length: float) -> Array:
-    """C (6, 6) of a bar's loaded end relative to its clamped end [m/N, rad/N, rad/(N*m)]."""
-    C = np.zeros((6, 6))
-    C[0, 0] = length / (material.E * section.area)
-    C[3, 3] = length / (material.G * section.J)
+def cantilever(section: Section, material: Material, length: float | Array) -> Array:
+    """C (..., 6, 6) of a bar's loaded end relative to its clamped end [m/N, rad/N, rad/(N*m)].
+
+    The length (...) [m] is a number, or an array for bars of several lengths.
+    """
+    C = np.zeros_like(length, shape=(*np.shape(length), 6, 6), dtype=float)
+    C[..., 0, 0] = length / (material.E * section.area)
+    C[..., 3, 3] = length / (material.G * section.J)
     for along, about, sign, second_moment in ((1, 5, 1, section.Iz), (2, 4, -1, section.Iy)):
         EI = material.E * second_moment
-        C[along, along] = length**3 / (3 * EI)
-        C[about, about] = length / EI
-        C[along, about] = C[about, along] = sign * length**2 / (2 * EI)
+        C[..., along, along] = length**3 / (3 * EI)
+        C[..., about, about] = length / EI
+        C[..., along, about] = C[..., about, along] = sign * length**2 / (2 * EI)
     return C
 
 

@@ -21,15 +21,15 @@ from orthospec.mechanics.virtual_joints import (
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Matrices
 
-_FORCES, _MOMENTS = (0, 2), (3, 4)
+_FORCES, _MOMENTS = [0, 2], [3, 4]
 
 
 def parallelogram_compliance(bar: Array, *, spacing: float, cos: Array, sin: Array) -> Matrices:
     """D (n, 3, 3) of the pair in the wrenches that a leg with a revolute about a at each end transmits.
 
     These are a force along −x, a moment about t = a × z = (cos q, −sin q, 0) and a moment about z, all at the
-    midpoint. ``bar`` (6, 6) is the compliance of one bar, d = ``spacing`` [m], and ``cos`` > 0 and ``sin``
-    (n,) are those of q.
+    midpoint. ``bar`` (6, 6), or (n, 6, 6), is the compliance of one bar, d = ``spacing`` [m], and ``cos`` > 0
+    and ``sin`` (n,) are those of q.
 
     The bars carry (σ ± δ)/2, σ and δ each of (f_x, f_z, m_x, m_y), with the work (σᵀCσ + δᵀCδ)/4 where they
     balance the load (f, m_t, m_z):  σ_f = (−f, 0),  σ_m = (m_t − d/2 δ_z) t,  δ_x = −2 m_z / (d cos q). The
@@ -40,21 +40,23 @@ def parallelogram_compliance(bar: Array, *, spacing: float, cos: Array, sin: Arr
 
     Bending in the plane does not enter. Entries of the third wrench grow without bound towards q = ±90°.
     """
-    along, across = bar[np.ix_(_FORCES, _FORCES)], bar[np.ix_(_FORCES, _MOMENTS)]
-    h = along - across @ np.linalg.pinv(bar[np.ix_(_MOMENTS, _MOMENTS)], hermitian=True) @ across.T
-    c_x, c_xt = bar[0, 0], bar[0, 3] * cos - bar[0, 4] * sin
-    c_t = bar[3, 3] * cos**2 - 2 * bar[3, 4] * sin * cos + bar[4, 4] * sin**2
-    both = h[1, 1] + spacing**2 / 4 * c_t
+    forces, moments = bar[..., _FORCES, :], bar[..., _MOMENTS, :]
+    along, across, turning = forces[..., _FORCES], forces[..., _MOMENTS], moments[..., _MOMENTS]
+    h = along - across @ np.linalg.pinv(turning, hermitian=True) @ np.swapaxes(across, -1, -2)
+    h_xx, h_xz, h_zz = h[..., 0, 0], h[..., 0, 1], h[..., 1, 1]
+    c_x, c_xt = bar[..., 0, 0], bar[..., 0, 3] * cos - bar[..., 0, 4] * sin
+    c_t = bar[..., 3, 3] * cos**2 - 2 * bar[..., 3, 4] * sin * cos + bar[..., 4, 4] * sin**2
+    both = h_zz + spacing**2 / 4 * c_t
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(both > 0, 0.5 / both, 0.0)
         turn = -2 / (spacing * cos)
         reduced = np.empty_like(cos, shape=(len(cos), 3, 3))
         reduced[:, 0, 0] = c_x / 2 - spacing**2 / 4 * c_xt**2 * share
-        reduced[:, 1, 1] = c_t * h[1, 1] * share
-        reduced[:, 2, 2] = (h[0, 0] / 2 - h[0, 1] ** 2 * share) * turn**2
-        reduced[:, 0, 1] = reduced[:, 1, 0] = -c_xt * h[1, 1] * share
-        reduced[:, 0, 2] = reduced[:, 2, 0] = -spacing / 2 * c_xt * h[0, 1] * share * turn
-        reduced[:, 1, 2] = reduced[:, 2, 1] = spacing / 2 * c_t * h[0, 1] * share * turn
+        reduced[:, 1, 1] = c_t * h_zz * share
+        reduced[:, 2, 2] = (h_xx / 2 - h_xz**2 * share) * turn**2
+        reduced[:, 0, 1] = reduced[:, 1, 0] = -c_xt * h_zz * share
+        reduced[:, 0, 2] = reduced[:, 2, 0] = -spacing / 2 * c_xt * h_xz * share * turn
+        reduced[:, 1, 2] = reduced[:, 2, 1] = spacing / 2 * c_t * h_xz * share * turn
     return reduced
 
 

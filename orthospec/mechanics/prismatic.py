@@ -31,16 +31,19 @@ CLEARANCE = 1e-5
 
 
 class PrismaticLegs(NamedTuple):
-    """The geometry of one machine of the family; rows are chains."""
+    """The geometry of one machine of the family; rows are chains.
+
+    Where each of n poses has a machine of its own, the last axis of length 1 is one of n.
+    """
 
     axes: Array
     """e_i, unit (3, 3)."""
     bases: Array
-    """b_i (3, 3) [m]."""
+    """b_i (3, 3, 1) [m]."""
     joints: Array
-    """c_i, from the tool point to the leg's end on the platform (3, 3) [m]."""
+    """c_i, from the tool point to the leg's end on the platform (3, 3, 1) [m]."""
     lengths: Array
-    """L_i (3,) [m]."""
+    """L_i (3, 1) [m]."""
     branches: Array
     """β_i (3,), 1 or −1."""
     revolutes: Array
@@ -71,13 +74,14 @@ def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     """Close the loops of all legs at each pose."""
     offsets = machine.joints - machine.bases
     p = poses.T.copy()
-    projected = machine.axes @ p + np.sum(offsets * machine.axes, axis=1)[:, None]
-    across = p + offsets[:, :, None] - projected[:, None, :] * machine.axes[:, :, None]
-    closing = machine.lengths[:, None] ** 2 - np.sum(across**2, axis=1)
+    axes = machine.axes[:, :, None]
+    projected = machine.axes @ p + np.sum(offsets * axes, axis=1)
+    across = p + offsets - projected[:, None, :] * axes
+    closing = machine.lengths**2 - np.sum(across**2, axis=1)
     with np.errstate(invalid="ignore"):
         along = machine.branches[:, None] * np.sqrt(closing)
     rho = projected + along
-    s = along[:, None, :] * machine.axes[:, :, None] - across
+    s = along[:, None, :] * axes - across
     return Legs(rho.T, s, along, closing)
 
 
@@ -89,13 +93,13 @@ def inverse_jacobian(legs: Legs) -> Matrices:
 
 def leg_margins(machine: PrismaticLegs, legs: Legs) -> Array:
     """(s_i·e_i / L_i)² less the clearance (3, n): >= 0 where leg i closes its loop, smooth in the pose."""
-    margins: Array = legs.closing / machine.lengths[:, None] ** 2 - CLEARANCE**2
+    margins: Array = legs.closing / machine.lengths**2 - CLEARANCE**2
     return margins
 
 
 def unit_legs(machine: PrismaticLegs, legs: Legs) -> Array:
     """β_i s_i / L_i (3, 3, n): the rows of J⁻¹ up to the positive factors |s_i·e_i| / L_i."""
-    units: Array = legs.s * (machine.branches / machine.lengths)[:, None, None]
+    units: Array = legs.s * (machine.branches[:, None] / machine.lengths)[:, None, :]
     return units
 
 

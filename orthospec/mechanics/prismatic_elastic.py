@@ -39,7 +39,10 @@ class Springs(NamedTuple):
     feet: Array
     """Compliance of each foot at its end, along the axes of space (3, 6, 6); zeros where rigid."""
     bars: Array
-    """Compliance of each leg's bar at its end, in its bar frame (3, 6, 6); zeros where rigid."""
+    """Compliance of each leg's bar at its end, in its bar frame (3, 6, 6); zeros where rigid.
+
+    (3, n, 6, 6) where each pose has legs of its own.
+    """
     spacing: float | None
     """Distance of a parallelogram's bars [m]; None for one bar between universal joints."""
 
@@ -47,10 +50,14 @@ class Springs(NamedTuple):
 def compliance(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array:
     """C (n, 6, 6) at the tool; all inf where the machine is loose, NaN out of reach."""
     found = np.empty_like(legs.s, shape=(legs.poses, 6, 6))
-    is_rigid = not (springs.bars.any() or springs.feet.any())
+    units = legs.s / machine.lengths[:, None, :]
+    is_rigid = not (np.any(springs.bars != 0) or springs.feet.any())
     for start in range(0, legs.poses, BLOCK):
         part = slice(start, start + BLOCK)
-        compliances, wrenches = _chains(machine, springs, legs.s[:, :, part])
+        bars = springs.bars if springs.bars.ndim == 3 else springs.bars[:, part]
+        joints = machine.joints if machine.joints.shape[2] == 1 else machine.joints[:, :, part]
+        here = machine._replace(joints=joints), springs._replace(bars=bars)
+        compliances, wrenches = _chains(*here, units[:, :, part])
         through = _through_drives if is_rigid else parallel_compliance
         found[part] = through(compliances, wrenches)
     return found
@@ -84,16 +91,19 @@ def feet_in_space(machine: PrismaticLegs, foot: Array) -> Array:
     return spring_at(foot, np.stack([x, np.cross(z, x), z], axis=1), np.zeros((3, 3)))
 
 
-def _chains(machine: PrismaticLegs, springs: Springs, s: Array) -> tuple[Array, Array]:
-    """Each chain's compliance (k, 3, w, w) to the wrenches (k, 3, w, 6) that it lets through, at the tool."""
+def _chains(machine: PrismaticLegs, springs: Springs, units: Array) -> tuple[Array, Array]:
+    """Each chain's compliance (k, 3, w, w) to the wrenches (k, 3, w, 6) that it lets through, at the tool.
+
+    ``units`` (3, 3, k) are the legs' directions u.
+    """
     count = 2 if springs.spacing is None else 3
-    compliances = np.zeros_like(s, shape=(s.shape[2], 3, count, count))
-    wrenches = np.zeros_like(s, shape=(s.shape[2], 3, count, 6))
+    compliances = np.zeros_like(units, shape=(units.shape[2], 3, count, count))
+    wrenches = np.zeros_like(units, shape=(units.shape[2], 3, count, 6))
     for i in range(3):
-        bar = _bar(machine, i, s[i])
+        bar = _bar(machine.revolutes[i], units[i])
         moments = (bar.t,) if springs.spacing is None else (bar.t, bar.z)
         wrenches[:, i, 0, :3] = bar.u.T
-        wrenches[:, i, 0, 3:] = (_crossing(machine.joints[i]) @ bar.u).T
+        wrenches[:, i, 0, 3:] = np.cross(machine.joints[i], bar.u, axis=0).T
         for k, moment in enumerate(moments, start=1):
             wrenches[:, i, k, 3:] = moment.T
         compliances[:, i] = _leg(springs, i, bar)
@@ -113,28 +123,27 @@ class _Bar(NamedTuple):
     cosine: Array
 
 
-def _bar(machine: PrismaticLegs, i: int, s: Array) -> _Bar:
-    u = s / machine.lengths[i]
-    around = _crossing(machine.revolutes[i])
+def _bar(revolute: Array, u: Array) -> _Bar:
+    around = _crossing(revolute)
     z = around @ u
     cosine = np.sqrt(_dot(z, z))
     with np.errstate(divide="ignore", invalid="ignore"):
         z /= cosine
-    return _Bar(u, around @ z, z, -(machine.revolutes[i] @ u), cosine)
+    return _Bar(u, around @ z, z, -(revolute @ u), cosine)
 
 
 def _leg(springs: Springs, i: int, bar: _Bar) -> Array:
     """The leg's own compliance (k, w, w)."""
     C, c, s = springs.bars[i], bar.cosine, bar.sine
-    if not C.any():
+    if not np.any(C != 0):
         count = 2 if springs.spacing is None else 3
         return np.zeros_like(c, shape=(len(c), count, count))
     if springs.spacing is not None:
         return parallelogram_compliance(C, spacing=springs.spacing, cos=c, sin=s)
     found = np.empty_like(c, shape=(len(c), 2, 2))
-    found[:, 0, 0] = C[0, 0]
-    found[:, 0, 1] = found[:, 1, 0] = C[0, 4] * s - C[0, 3] * c
-    found[:, 1, 1] = C[3, 3] * c**2 - 2 * C[3, 4] * c * s + C[4, 4] * s**2
+    found[:, 0, 0] = C[..., 0, 0]
+    found[:, 0, 1] = found[:, 1, 0] = C[..., 0, 4] * s - C[..., 0, 3] * c
+    found[:, 1, 1] = C[..., 3, 3] * c**2 - 2 * C[..., 3, 4] * c * s + C[..., 4, 4] * s**2
     return found
 
 

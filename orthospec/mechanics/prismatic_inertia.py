@@ -27,7 +27,7 @@ class Masses(NamedTuple):
     sliders: float
     """One slider with its foot."""
     legs: Array
-    """Each leg, with all of its bars (3,)."""
+    """Each leg, with all of its bars (1, 3); (n, 3) where each pose has legs of its own."""
     platform: float
     """Platform, tool and payload."""
 
@@ -36,17 +36,19 @@ def joint_inertia(machine: PrismaticLegs, masses: Masses, J: Matrices) -> Matric
     """D (n, 3, 3) [kg], from J = ∂p/∂ρ (n, 3, 3)."""
     m = masses.legs
     # At the joints j_i becomes unit vector i, and e_i becomes Jᵀ e_i.
-    mixed = (m / 6)[:, None] * (machine.axes @ J)
-    found: Matrices = (masses.platform + m.sum() / 3) * (np.swapaxes(J, 1, 2) @ J)
-    found += mixed + np.swapaxes(mixed, 1, 2) + np.diag(masses.sliders + m / 3)
+    mixed = (m / 6)[:, :, None] * (machine.axes @ J)
+    all_at_tool = masses.platform + m.sum(axis=1)[:, None, None] / 3
+    at_sliders = (masses.sliders + m / 3)[:, :, None] * np.eye(3)
+    found: Matrices = all_at_tool * (np.swapaxes(J, 1, 2) @ J)
+    found += mixed + np.swapaxes(mixed, 1, 2) + at_sliders
     return found
 
 
 def rest_load(machine: PrismaticLegs, masses: Masses, J: Matrices, gravity: Array) -> Joints:
     """The actuator forces (n, 3) [N] that hold the machine still; gravity (3,) [m/s^2]."""
     at_sliders = (masses.sliders + masses.legs / 2) * (machine.axes @ gravity)
-    at_tool = (masses.platform + masses.legs.sum() / 2) * gravity
-    load: Joints = -at_sliders - at_tool @ J
+    at_tool = (masses.platform + masses.legs.sum(axis=1)[:, None] / 2) * gravity
+    load: Joints = -at_sliders - (at_tool[:, None, :] @ J)[:, 0]
     return load
 
 
@@ -57,6 +59,6 @@ def velocity_forces(machine: PrismaticLegs, masses: Masses, legs: Legs, J: Matri
     with np.errstate(divide="ignore", invalid="ignore"):
         H = -np.swapaxes(sway, 2, 3) @ sway / legs.along.T[:, :, None, None]
     # Row i: how the inertia of chain i's slider and leg against its slider's acceleration acts on each joint.
-    coupling = np.diag(masses.sliders + m / 3) + (m / 6)[:, None] * (machine.axes @ J)
+    coupling = (masses.sliders + m / 3)[:, :, None] * np.eye(3) + (m / 6)[:, :, None] * (machine.axes @ J)
     forces: Array = np.einsum("nij,niab->njab", coupling, H)
     return forces

@@ -13,7 +13,7 @@ from orthospec.optimise.workers import Workers, in_order
 from orthospec.spec import Design, ProofKeys
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Evaluation, Largest, Prescribed
-from orthospec.workspace.guarantee import Bracket, Proof, bracket, proof_over
+from orthospec.workspace.guarantee import Bracket, Proof, bracket, proof_within
 from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def prove_cuboid(space: DesignSpace, one: ToProve, progress: Progress | None = N
         (demand,) = demands.values()
         demands = {demand.name: demand.at(Level(dict(one.level)))}
     machine = Machine(design.manipulator, demands)
-    proof = proof_over(machine, one.cuboid, one.slack, one.boxes)
+    proof = proof_within(machine, one.cuboid, one.slack, one.boxes, space.spec.tolerances)
     if one.scale is None:
         return Proved(proof, None)
     setting = space.setting
@@ -70,7 +70,7 @@ def _machine_and_bounds(content: Mapping[str, Any]) -> dict[str, Any]:
         for name, one in content["measures"].items()
     }
     parts = {part: value for part, value in machine_and_measures(content).items() if part != "poses"}
-    return {**parts, "measures": measures}
+    return {**parts, "measures": measures, "tolerances": content.get("tolerances", {})}
 
 
 PROVE = Task("proving", prove_cuboid, _machine_and_bounds, (Proved, Proof, Bracket))
@@ -105,16 +105,16 @@ def proved(
             return one
         if isinstance(one, Largest):
             return replace(one, proof=found.proof, proved=found.bracket)
-        return replace(one, proof=found.proof, holds=one.holds and found.proof.verdict != "refuted")
+        return replace(one, proof=found.proof, holds=one.holds and not found.proof.refutes_design)
 
     return [_each(evaluation, design, tell) for design, evaluation in points]
 
 
 def refuting_poses(evaluation: Evaluation) -> tuple[tuple[float, ...], ...]:
-    """The poses that refute the prescribed cuboids."""
+    """The poses that refute the prescribed cuboids of the machine as it is designed."""
     places = [evaluation.prescribed, *(record.prescribed for record in evaluation.measures.values())]
     proofs = [place.proof for place in places if place is not None and place.proof is not None]
-    return tuple(proof.at for proof in proofs if proof.at is not None)
+    return tuple(proof.at for proof in proofs if proof.refutes_design and proof.at is not None)
 
 
 def _each(evaluation: Evaluation, design: Design, visit: Callable[..., Any]) -> Evaluation:

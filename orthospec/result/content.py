@@ -152,7 +152,8 @@ def _proof(proof: Proof | None) -> dict[str, Any] | None:
         "boxes": proof.boxes,
         "excess": _known(proof.excess),
         "at": None if proof.at is None else _numbers(proof.at),
-        **_given(condition=proof.condition, why=proof.why),
+        **_given(machine={name: _numbers(values) for name, values in (proof.machine or {}).items()}),
+        **_given(nominal=proof.nominal, condition=proof.condition, why=proof.why),
     }
 
 

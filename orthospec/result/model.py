@@ -54,6 +54,10 @@ class ProofRecord(_Record):
     """The greatest that is not ruled out, as a part of the bound."""
     at: Pose | None = None
     """The pose that refutes it."""
+    machine: dict[str, list[float]] | None = None
+    """The numbers of the machine within its tolerances that is refuted; left out of the one designed."""
+    nominal: str | None = None
+    """The verdict on the machine as it is designed, where the first one is for all within its tolerances."""
     condition: str | None = None
     """What is refuted or undecided."""
     why: str | None = None

@@ -16,7 +16,7 @@ from orthospec.result.model import (
     ProofRecord,
 )
 from orthospec.show import machine, words
-from orthospec.show.labels import Labels, labels
+from orthospec.show.labels import Field, Labels, labels
 from orthospec.show.numbers import UNKNOWN, Numbers
 from orthospec.show.page import Page
 
@@ -142,6 +142,9 @@ class _Writer:
         if proof is None:
             return
         at = None if proof.at is None else self.numbers.pose(proof.at, self.known.axes)
+        for name, values in (proof.machine or {}).items():
+            units = self.known.fields.get((name,), Field()).units or (UNKNOWN,)
+            at = f"{at} with {name} {self.numbers.several(values, units[0])}"
         manner, said = words.proof(proof, at)
         self.page.sentence(said, manner=manner, indent=indent)
 

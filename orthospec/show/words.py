@@ -73,10 +73,17 @@ def searched_for_front(search: FrontSearchRecord) -> str:
 
 
 def proof(one: ProofRecord, at: str | None) -> tuple[str, str]:
-    """In which manner, and with which words, a verdict is told."""
+    """In which manner, and with which words, a verdict is told; ``at`` is where it is refuted."""
     within, boxes = percent(one.slack), counted(one.boxes, "box", "boxes")
     if one.verdict == "proved":
-        return "good", f"proved: it holds within {within} at every pose ({boxes})"
+        of_all = "" if one.nominal is None else ", for every machine within its tolerances"
+        return "good", f"proved: it holds within {within} at every pose{of_all} ({boxes})"
+    manner, said = _not_proved(one, at, within, boxes)
+    designed = {"proved": "holds", "undecided": "is not refuted"}.get(one.nominal or "")
+    return manner, f"{said}; the machine as designed {designed}" if designed else said
+
+
+def _not_proved(one: ProofRecord, at: str | None, within: str, boxes: str) -> tuple[str, str]:
     name, _, side = (one.condition or "").partition(": ")
     condition = f"{name} ({SIDES[side]})" if side in SIDES else name
     beyond = None if one.excess is None else percent(one.excess)

@@ -11,7 +11,6 @@ def check(draft: Draft) -> None:
     """A mistake for each part of the spec that is well formed and not served."""
     keys = draft.keys
     given = {
-        ("manipulator", "tolerance"): keys.manipulator.tolerance,
         ("workspace", "orientation"): keys.workspace.orientation,
     }
     for path, value in given.items():

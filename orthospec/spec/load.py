@@ -61,7 +61,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
     later.check(draft)
     variables = resolve.variables(draft)
     workspace, poses, sweep = resolve.workspace(draft), resolve.poses(draft), resolve.sweep(draft)
-    goals = asked.goals(draft)
+    goals, tolerances = asked.goals(draft), resolve.tolerances(draft)
     pareto = asked.pareto(draft, goals)
     demands = asked.demands(draft, asked.measures_in_goals(draft))
     machine = _machine(draft)
@@ -70,6 +70,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
         trials.build(draft, plan.blueprint, variables)
     if built is not None:
         trials.check_machine(draft, built, demands, goals)
+        trials.check_tolerances(draft, built, tolerances)
         _check_added(draft, built, taken)
     if draft.mistakes or machine is None or workspace is None:
         raise SpecError(draft.mistakes)
@@ -77,6 +78,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
         title=draft.keys.title,
         variables=variables,
         manipulator=machine,
+        tolerances=tolerances,
         workspace=workspace,
         measures=tuple(demands),
         goals=tuple(goals),

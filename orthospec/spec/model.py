@@ -93,7 +93,7 @@ class ManipulatorKeys(_PluginKeys):
     The keys beside it add to the solved machine and change nothing of it.
     """
     tolerance: dict[str, Amount] | None = None
-    """How far built dimensions may be off, by field."""
+    """How far each number of a field may be off when the machine is built, by field; proofs allow for it."""
 
 
 class RegionKeys(_Keys):

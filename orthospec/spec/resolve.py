@@ -100,6 +100,31 @@ def _in_order(draft: Draft, path: Path, values: Mapping[str, float | None]) -> V
     return Variable(least, greatest, (least + greatest) / 2 if start is None else start)
 
 
+def tolerances(draft: Draft) -> dict[str, float]:
+    """How far numbers of the machine may be off, by field, where they may be off at all."""
+    path, machine = ("manipulator", "tolerance"), draft.machine
+    given = draft.keys.manipulator.tolerance or {}
+    if machine is None:
+        return {}
+    if given and not machine.toleranced:
+        draft.wrong(path, f"{draft.keys.manipulator.use} has no field that takes a tolerance", at_key=True)
+        return {}
+    found = {}
+    for name, amount in given.items():
+        if name not in machine.toleranced:
+            what = (
+                f"'{name}' takes no tolerance" if name in machine.model_fields else f"unknown field '{name}'"
+            )
+            draft.wrong((*path, name), what + did_you_mean(name, machine.toleranced), at_key=True)
+            continue
+        value = draft.amount((*path, name), amount, machine.toleranced[name])
+        if value is not None and value < 0:
+            draft.wrong((*path, name), f"0 or more was expected, {value:g} given")
+        elif value:
+            found[name] = value
+    return found
+
+
 def workspace(draft: Draft) -> Workspace | None:
     """The prescribed cuboid; None after a mistake."""
     keys = draft.keys.workspace

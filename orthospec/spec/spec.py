@@ -30,6 +30,8 @@ class Spec:
     title: str | None
     variables: Mapping[str, Variable]
     manipulator: Blueprint[Manipulator]
+    tolerances: Mapping[str, float]
+    """How far each number of a field of the machine may be off when it is built, by field."""
     workspace: Workspace
     measures: tuple[DemandPlan, ...]
     goals: tuple[GoalPlan, ...]
@@ -103,6 +105,7 @@ class Spec:
             "poses": {name: list(pose) for name, pose in self.poses.items()},
             "sweep": None if self.sweep is None else asdict(self.sweep),
             "optimise": self.optimise.model_dump(),
+            **({"tolerances": dict(self.tolerances)} if self.tolerances else {}),
             **({} if self.pareto is None else {"pareto": self.pareto}),
             **({} if self.proof == ProofKeys() else {"proof": self.proof and self.proof.model_dump()}),
         }

@@ -64,6 +64,16 @@ def check_machine(
                 draft.wrong(("goals", goal.name, goal.sense), message)
 
 
+def check_tolerances(draft: Draft, machine: Manipulator, tolerances: Mapping[str, float]) -> None:
+    """A mistake where a number could be off by all that it is: no such machine can be built."""
+    for name, tolerance in tolerances.items():
+        value = getattr(machine, name)
+        least = min(map(abs, value if isinstance(value, tuple) else (value,)))
+        if tolerance >= least:
+            message = f"less than the field's own {least:g} was expected, {tolerance:g} given"
+            draft.wrong(("manipulator", "tolerance", name), message)
+
+
 def _check_need(draft: Draft, machine: Manipulator, plan: DemandPlan, need: str) -> None:
     what = need.replace("_", " ")
     if not _offers(machine, need):

@@ -2,12 +2,14 @@
 
 The verdict is that of `orthospec.workspace.proof` on all conditions together. The scale of a largest cuboid
 is enclosed from below by a smaller one about the same centre in which everything holds without any slack, and
-from above by a larger one that fits nowhere (`orthospec.workspace.placements`).
+from above by a larger one that fits nowhere (`orthospec.workspace.placements`): of the machine as it is
+designed, whatever its tolerances.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,6 +42,15 @@ class Proof:
     """The pose that refutes it."""
     why: str | None = None
     """Why nothing is known of a measure over boxes."""
+    machine: Mapping[str, tuple[float, ...]] | None = None
+    """The toleranced numbers of the machine that is refuted; None where it is the nominal one."""
+    nominal: Verdict | None = None
+    """What is known of the nominal machine alone; None without tolerances."""
+
+    @property
+    def refutes_design(self) -> bool:
+        """Whether the machine as it is designed has a pose at which something does not hold."""
+        return self.verdict == "refuted" and self.machine is None
 
 
 @dataclass(frozen=True)
@@ -50,9 +61,27 @@ class Bracket:
     most: float | None
 
 
-def proof_over(machine: Machine, cuboid: Cuboid, slack: float, boxes: int) -> Proof:
-    """Whether the reach and all bounds of the machine hold at every pose of a cuboid, within the slack."""
-    claims = prove(machine, cuboid, slack=slack, budget=Budget(boxes=boxes))
+def proof_within(
+    machine: Machine, cuboid: Cuboid, slack: float, boxes: int, tolerances: Mapping[str, float]
+) -> Proof:
+    """`proof_over` of a machine and, unless it is refuted already, of all those within the tolerances."""
+    own = proof_over(machine, cuboid, slack, boxes)
+    if not tolerances:
+        return own
+    every = own if own.verdict == "refuted" else proof_over(machine, cuboid, slack, boxes, tolerances)
+    spent = own.boxes if every is own else own.boxes + every.boxes
+    return replace(every, boxes=spent, nominal=own.verdict)
+
+
+def proof_over(
+    machine: Machine,
+    cuboid: Cuboid,
+    slack: float,
+    boxes: int,
+    tolerances: Mapping[str, float] | None = None,
+) -> Proof:
+    """Whether the reach and all bounds hold at every pose of a cuboid, within the slack."""
+    claims = prove(machine, cuboid, slack=slack, budget=Budget(boxes=boxes), tolerances=tolerances)
     worst = max(claims, key=_gravity)
     # Conditions on one measure share their boxes.
     spent = {(c.condition.kind, c.condition.name if c.condition.kind == "bound" else ""): c for c in claims}
@@ -65,6 +94,7 @@ def proof_over(machine: Machine, cuboid: Cuboid, slack: float, boxes: int) -> Pr
         None if worst.verdict == "proved" else _name(worst),
         worst.at,
         worst.why,
+        worst.machine,
     )
 
 

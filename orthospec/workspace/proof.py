@@ -8,6 +8,7 @@ edge, of several the one along which the value changes most. A condition is
     refuted     at a pose that was found it is exceeded by more, in plain arithmetic
     undecided   the budget was spent before either, or the measure has no enclosure
 
+With tolerances it is asked of all machines within them (`tolerances`), whose numbers are coordinates too.
 What an excess is relative to, and which conditions have slack, stands in `proof_cases`.
 """
 
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -24,20 +25,22 @@ import numpy as np
 
 from orthospec.errors import OrthospecError
 from orthospec.intervals import Boxes
-from orthospec.manipulators import Manipulator
 from orthospec.measures.demand import ROUNDING
 from orthospec.workspace.conditions import Condition
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.proof_cases import Case, Unknown, cases_of
+from orthospec.workspace.tolerances import Family
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from orthospec.arrays import Array, Flags, Poses
+    from orthospec.arrays import Array, Flags
 
 BATCH = 4096
-"""Boxes at a time."""
+"""Most boxes at a time."""
+CORNERS = 65_536
+"""Most corners of boxes at a time, at which eigenvalues are asked."""
 MATTERS = 0.01
 """A coordinate that changes a value by less than this part of what another one does matters little."""
 LONGER = 4.0
@@ -72,35 +75,44 @@ class Claim:
     """By how much it is exceeded at most: proved; where it is refuted, at the pose that was found."""
     at: tuple[float, ...] | None = None
     """The pose that refutes it."""
+    machine: Mapping[str, tuple[float, ...]] | None = None
+    """The numbers of the machine that is refuted there, by toleranced field; None without tolerances."""
     why: str | None = None
     """Why nothing is known of its measure over boxes."""
 
 
-def prove(machine: Machine, cuboid: Cuboid, *, slack: float, budget: Budget | None = None) -> list[Claim]:
-    """One claim for each reach condition and each bound, in the order of `conditions_of`."""
-    budget = budget or Budget()
-    start = _whole(machine.manipulator, cuboid)
+def prove(
+    machine: Machine,
+    cuboid: Cuboid,
+    *,
+    slack: float,
+    budget: Budget | None = None,
+    tolerances: Mapping[str, float] | None = None,
+) -> list[Claim]:
+    """One claim for each reach condition and each bound, in the order of `conditions_of`.
+
+    ``tolerances`` of the machine's `toleranced` fields make it a claim on all machines within them.
+    """
+    budget, family = budget or Budget(), Family(machine.manipulator, tolerances or {})
+    start, demands = family.whole(cuboid), tuple(machine.demands.values())
     stop = None if budget.seconds is None else time.monotonic() + budget.seconds
     claims: list[Claim] = []
-    for case in cases_of(machine, start, slack):
+    for case in cases_of(family, demands, start, slack):
         out_of_reach = any(claim.verdict == "refuted" for claim in claims if claim.condition.kind == "joint")
-        claims += _Search(case, start, 0 if out_of_reach else budget.boxes, stop).run()
+        claims += _Search(family, case, start, 0 if out_of_reach else budget.boxes, stop).run()
     return claims
-
-
-def _whole(manipulator: Manipulator, cuboid: Cuboid) -> Boxes:
-    lo, hi = np.zeros((2, 1, len(manipulator.axes)))
-    lo[0, : len(cuboid.low)], hi[0, : len(cuboid.high)] = cuboid.low, cuboid.high
-    return Boxes(lo, hi)
 
 
 class _Search:
     """Branch and bound for the conditions of one case."""
 
-    def __init__(self, case: Case, start: Boxes, most: int, stop: float | None) -> None:
-        self._case, self._start, self._most, self._stop = case, start, most, stop
+    def __init__(self, family: Family, case: Case, start: Boxes, most: int, stop: float | None) -> None:
+        self._family, self._case, self._start, self._most, self._stop = family, case, start, most, stop
         edges = (start.hi - start.lo)[0]
         self._edges, self._finest = np.where(edges > 0, edges, 1.0), FINEST * edges
+        # Tolerances are short beside the cuboid, and so little of a box's excess comes from them.
+        axes = len(family.nominal.axes)
+        self._edges[axes:] = edges[:axes].max()
         self._boxes = 0
         self._claims = [Claim(c, "undecided", 0, np.inf) for c in case.conditions]
 
@@ -160,19 +172,19 @@ class _Search:
         self._judged(np.where(np.nan_to_num(changes) >= 0, boxes.hi, boxes.lo))
         return np.asarray(changes)
 
-    def _judged(self, poses: Poses) -> Array:
-        """The excess at poses of the cuboid (k, n), and a claim refuted where one is too great."""
-        poses = np.clip(poses, self._start.lo, self._start.hi)
-        poses.flags.writeable = False
-        excess = self._case.at(poses)
+    def _judged(self, points: Array) -> Array:
+        """The excess at points of the whole (k, n), and a claim refuted where one is too great."""
+        points = np.clip(points, self._start.lo, self._start.hi)
+        excess = self._case.at(points)
         for k, row in enumerate(excess):
             known = np.where(np.isnan(row), -np.inf, row)
             i = int(known.argmax())
             claim, found = self._claims[k], float(known[i])
             refuted = found > self._case.slack[k] + ROUNDING
             if refuted and (claim.verdict != "refuted" or found > claim.excess):
-                at = tuple(map(float, poses[i]))
-                self._claims[k] = replace(claim, verdict="refuted", excess=found, at=at)
+                _, (pose,) = self._family.at(points[i : i + 1])
+                at, numbers = tuple(map(float, pose)), self._family.named(points[i]) or None
+                self._claims[k] = replace(claim, verdict="refuted", excess=found, at=at, machine=numbers)
         return excess
 
     def _settled(self, proved: Array, waiting: Sequence[tuple[Boxes, Array]]) -> list[Claim]:
@@ -204,8 +216,9 @@ def _across(change: Array, length: Array, can_be_cut: Flags) -> NDArray[np.intp]
 
 
 def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
-    cuts = range(0, len(boxes), BATCH)
-    return [(boxes[i : i + BATCH], excess[:, i : i + BATCH]) for i in cuts]
+    size = min(BATCH, CORNERS >> boxes.lo.shape[1])
+    cuts = range(0, len(boxes), size)
+    return [(boxes[i : i + size], excess[:, i : i + size]) for i in cuts]
 
 
 def _reason(error: Exception) -> str:

@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from orthospec.intervals import Boxes, Interval
-from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand
 from orthospec.measures.demand import ROUNDING, bounded_side
 from orthospec.workspace.conditions import Condition, conditions_of
-from orthospec.workspace.machine import Machine
+from orthospec.workspace.tolerances import Family
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Poses
+    from orthospec.arrays import Array
 
 
 class Case(NamedTuple):
@@ -31,37 +30,36 @@ class Case(NamedTuple):
     """What each may be exceeded by (k,)."""
     over: Callable[[Boxes], Array]
     """Verified bounds on the excess of each in each box (k, n); NaN where nothing is known."""
-    at: Callable[[Poses], Array]
-    """The excess of each at poses (k, n), in plain arithmetic."""
+    at: Callable[[Array], Array]
+    """The excess of each at points (k, n), in plain arithmetic."""
 
 
-def cases_of(machine: Machine, start: Boxes, slack: float) -> list[Case]:
+def cases_of(family: Family, demands: tuple[Demand, ...], start: Boxes, slack: float) -> list[Case]:
     """The reach, then each demand: in all the order of `conditions_of`."""
-    manipulator, demands = machine.manipulator, tuple(machine.demands.values())
-    conditions = conditions_of(manipulator, demands, start.lo)
+    conditions = conditions_of(family.nominal, demands, family.at(start.lo)[1])
     reach = tuple(c for c in conditions if c.kind == "joint")
-    cases = [_reach_case(manipulator, reach, slack)]
+    cases = [_reach_case(family, reach, slack)]
     for demand in demands:
         bounds = tuple(c for c in conditions if c.kind == "bound" and c.name == demand.name)
-        cases.append(_bounds_case(manipulator, demand, bounds, slack))
+        cases.append(_bounds_case(family, demand, bounds, slack))
     return cases
 
 
-def _reach_case(manipulator: Manipulator, conditions: tuple[Condition, ...], slack: float) -> Case:
+def _reach_case(family: Family, conditions: tuple[Condition, ...], slack: float) -> Case:
     def over(boxes: Boxes) -> Array:
-        margins = manipulator.reach_enclosure(boxes)
+        manipulator, of_poses = family.over(boxes)
+        margins = manipulator.reach_enclosure(of_poses)
         return np.stack([-margins[c.reach_key].lo for c in conditions])
 
-    def at(poses: Poses) -> Array:
+    def at(points: Array) -> Array:
+        manipulator, poses = family.at(points)
         margins = manipulator.reach(poses)
         return np.stack([-margins[c.reach_key] for c in conditions])
 
     return Case(conditions, np.array([slack if c.side else 0.0 for c in conditions]), over, at)
 
 
-def _bounds_case(
-    manipulator: Manipulator, demand: Demand, conditions: tuple[Condition, ...], slack: float
-) -> Case:
+def _bounds_case(family: Family, demand: Demand, conditions: tuple[Condition, ...], slack: float) -> Case:
     def excess(ends: Callable[[str], Array]) -> Array:
         rows = []
         for side, bound in demand.bounds.items():
@@ -70,7 +68,7 @@ def _bounds_case(
         return np.stack(rows)
 
     def over(boxes: Boxes) -> Array:
-        found = demand.measure.enclosure(manipulator, boxes)
+        found = demand.measure.enclosure(*family.over(boxes))
         if not isinstance(found, Interval):
             raise Unknown(f"{type(demand.measure).__name__} gives no enclosure")
         if found.shape not in {(len(boxes),), (len(boxes), 2)}:
@@ -79,8 +77,8 @@ def _bounds_case(
         with np.errstate(invalid="ignore"):
             return np.asarray(known + ROUNDING * np.maximum(np.abs(known), 1.0))
 
-    def at(poses: Poses) -> Array:
-        values = demand.measure.values(manipulator, poses)
+    def at(points: Array) -> Array:
+        values = demand.measure.values(*family.at(points))
         return excess(lambda _: values)
 
     return Case(conditions, np.full(len(conditions), slack), over, at)
