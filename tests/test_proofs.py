@@ -249,6 +249,7 @@ def test_a_design_that_ends_on_its_bounds_is_refuted_with_the_machine_that_fails
     )
     assert factors[0, 1] == pytest.approx(2 * (1 + proof["excess"]), rel=1e-12)
     text = " ".join(show(content, spec=spec, width=90, colour=False).split())
+    assert "tolerance leg_lengths ± 0.5 mm" in text
     assert (
         "(-126.795, -126.795, -126.795) mm with leg_lengths 3 x 310.083 mm; the machine as designed" in text
     )

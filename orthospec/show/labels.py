@@ -67,6 +67,8 @@ class Labels:
     size: tuple[float, ...] = ()
     fields: Mapping[Path, Field] = field(default_factory=dict)
     """Of the manipulator."""
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+    """Of its fields."""
     indices: Mapping[str, str] = field(default_factory=dict)
     variables: Mapping[str, str] = field(default_factory=dict)
     ranges: Mapping[str, Variable] = field(default_factory=dict)
@@ -87,6 +89,7 @@ def labels(spec: Spec | None, variables: Mapping[str, float]) -> Labels:
         joints=design.manipulator.joint_units,
         size=spec.workspace.size,
         fields=fields_of(type(design.manipulator), spec.manipulator.keys),
+        tolerances=spec.tolerances,
         indices=design.manipulator.index_units,
         ranges=spec.variables,
         measures={one.name: _asked(spec, one) for one in design.demands},

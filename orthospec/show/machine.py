@@ -24,6 +24,15 @@ def fields(
             yield from _part(value, known, numbers, (name,))
 
 
+def tolerances(
+    values: Mapping[str, float], known: Mapping[Path, Field], numbers: Numbers
+) -> Iterator[tuple[str, str]]:
+    """A row of how far the fields may be off, where any may."""
+    texts = [f"{name} ± {_value(off, known[name,].units, numbers)}" for name, off in values.items()]
+    if texts:
+        yield "tolerance", ", ".join(texts)
+
+
 def in_words(keys: Mapping[str, Any], known: Mapping[Path, Field], numbers: Numbers) -> str:
     """``force 100 N``: the keys that a measure was given."""
     given = {name: value for name, value in keys.items() if value != known.get((name,), Field()).default}

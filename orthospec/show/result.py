@@ -109,7 +109,8 @@ class _Writer:
         fields = machine.fields(keys, self.known.fields, self.numbers)
         indices = machine.indices(self.result.indices, self.known.indices, self.numbers)
         joints = self._joints(self.result.joints) if self.result.joints else ()
-        self.page.rows([*fields, *indices, *joints])
+        off = machine.tolerances(self.known.tolerances, self.known.fields, self.numbers)
+        self.page.rows([*fields, *off, *indices, *joints])
 
     def _joints(self, joints: Ends) -> Iterator[tuple[str, str]]:
         """The range of each joint over the prescribed cuboid; equal ones in one line."""
