@@ -41,7 +41,7 @@ from orthospec.result import (
     Status,
 )
 from orthospec.spec import Design, Goal, ProofKeys, Spec
-from orthospec.workspace.evaluate import Evaluation, Prescribed
+from orthospec.workspace.evaluate import Evaluation, Largest, Prescribed
 from orthospec.workspace.field import fields
 
 if TYPE_CHECKING:
@@ -187,6 +187,7 @@ def _measured(
     Where the proof finds a pose at which it does not hold, the search goes on from there with that pose.
     """
     spec, poses = space.spec, tuple[tuple[float, ...], ...]()
+    prove = partial(proved, workers, space, keys=spec.proof, progress=progress) if spec.proof else None
     for left in reversed(range(REFITS + 1)):
         design = space.design(best.end.design) if best else spec.design(spec.default_values())
         prescribed = best.end.cuboids(space) if best else None
@@ -198,13 +199,15 @@ def _measured(
             evaluation, known = clock.time("evaluate", partial(appraised, workers, space, one, progress))
         except KeyboardInterrupt:
             return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
-        if spec.proof is None:
+        if prove is None:
             break
-        point = [(design, evaluation)]
         try:
-            (evaluation,) = clock.time("proof", partial(proved, workers, space, point, spec.proof, progress))
+            prescribed_alone = partial(prove, [(design, evaluation)], of=(Prescribed,))
+            (evaluation,) = clock.time("proof", prescribed_alone)
             found = refuting_poses(evaluation)
             if not (left and found and best and best.feasible):
+                the_others = partial(prove, [(design, evaluation)], of=(Largest,))
+                (evaluation,) = clock.time("proof", the_others)
                 break
             poses = (*poses, *found)
             again = [Refuted(best, poses)]
