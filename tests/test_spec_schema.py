@@ -20,8 +20,9 @@ $schema $defs $ref type title description default properties additionalPropertie
 minItems maxItems minimum maximum exclusiveMinimum exclusiveMaximum anyOf allOf oneOf enum const examples
 if then enumDescriptions
 """
-"""Those in use here of the keywords in redhat-developer/yaml-language-server, src/languageservice/jsonSchema.ts:
-VS Code's YAML extension runs it. ``prefixItems`` is checked from its Draft2020Validator on, ignored before."""
+"""Those in use here of the keywords in src/languageservice/jsonSchema.ts of redhat-developer's
+yaml-language-server, which VS Code's YAML extension runs; ``prefixItems`` is checked from its
+Draft2020Validator on, and passed over before."""
 NOTED = frozenset({"x-unit"})
 """What others pass over."""
 SPECS = sorted((Path(__file__).parent.parent / "specs").glob("*.yaml"))
