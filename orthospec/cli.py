@@ -121,6 +121,30 @@ def _orthospec(
 
 
 @_command
+def init(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Writes NAME.yaml; - prints the spec instead.")
+    ] = "spec",
+    machine: Annotated[
+        str, typer.Option("--machine", metavar="NAME", help="An installed manipulator; see `plugins`.")
+    ] = "orthoglide",
+) -> int:
+    """Write a spec to start from, with every key explained.
+
+    Beside it stands orthospec.schema.json, by which editors complete and check specs.
+    """
+    from orthospec.starter import starting_spec, write_start
+
+    if name == "-":
+        _print(starting_spec(machine, None))
+        return DONE
+    spec, schema = write_start(name, machine)
+    _print(f"Written to {spec}, and to {schema} what editors complete it by")
+    _print(f"Next: orthospec check {spec}, orthospec run {spec}")
+    return DONE
+
+
+@_command
 def run(
     spec: SpecFile,
     out: Annotated[

@@ -107,6 +107,21 @@ def test_a_folder_in_the_way_is_refused_before_the_work(spec: Path, monkeypatch:
     assert "holds other files and no result" in result.stderr
 
 
+def test_init_writes_a_spec_that_check_accepts_or_prints_it(spec: Path) -> None:
+    written = _orthospec("init", "mine").stdout
+    assert "Written to mine.yaml" in written
+    assert (spec.parent / "orthospec.schema.json").exists()
+    assert (
+        _orthospec("check", "mine.yaml").stdout
+        == "mine.yaml: ok (orthoglide, 1 variable, 1 measure, 1 goal)\n"
+    )
+    assert "mine.yaml is there already" in _orthospec("init", "mine", code=2).stderr
+    printed = _orthospec("init", "-", "--machine", "linear_delta").stdout
+    assert "$schema" not in printed
+    assert _orthospec("check", "-", text=printed).stdout.startswith("-: ok (linear_delta")
+    assert "did you mean 'orthoglide'?" in _orthospec("init", "--machine", "orthoglyde", code=2).stderr
+
+
 def test_run_without_variables_evaluates_and_writes(spec: Path) -> None:
     text = SPEC.replace("  leg: {min: 250 mm, max: 500 mm, start: 330 mm}\n", "")
     spec.write_text(
