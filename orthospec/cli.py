@@ -140,7 +140,7 @@ def init(
         return DONE
     spec, schema = write_start(name, machine)
     _print(f"Written to {spec}, and to {schema} what editors complete it by")
-    _print(f"Next: orthospec check {spec}, orthospec run {spec}")
+    _print(f"Next: orthospec plan {spec}, orthospec run {spec}")
     return DONE
 
 
@@ -198,6 +198,30 @@ def check(
         else:
             _print(f"{spec}: ok ({_in_a_line(problem)})")
     return max(codes)
+
+
+@_command
+def plan(
+    spec: SpecFile,
+    settings: Settings = None,
+    cache: Annotated[
+        Path | None,
+        typer.Option("--cache", metavar="DIR", help="Where runs keep what was done; else your cache folder."),
+    ] = None,
+    as_json: Json = False,
+) -> int:
+    """Tell what a run would do, without running it."""
+    from orthospec.optimise.plan import plan as planned
+    from orthospec.show import plan_content, show_plan
+    from orthospec.spec import load_spec
+
+    problem = load_spec(Path(spec), settings or [])
+    found = planned(problem, cache)
+    if as_json:
+        _print_json(plan_content(problem, found))
+    else:
+        _print(show_plan(problem, found, **_format(sys.stdout)))
+    return DONE
 
 
 @_command

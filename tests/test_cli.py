@@ -122,6 +122,16 @@ def test_init_writes_a_spec_that_check_accepts_or_prints_it(spec: Path) -> None:
     assert "did you mean 'orthoglide'?" in _orthospec("init", "--machine", "orthoglyde", code=2).stderr
 
 
+def test_plan_tells_and_runs_nothing(spec: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "none"
+    printed = _orthospec("plan", spec.name, "--cache", str(folder)).stdout
+    assert printed.startswith("A small one\n  Nothing was run.")
+    content = json.loads(_orthospec("plan", spec.name, "--json", "--set", "optimise.starts=6").stdout)
+    assert content["search"]["starts"] == 6
+    assert content["kept"]["steps"] == 6
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["small.yaml"]
+
+
 def test_run_without_variables_evaluates_and_writes(spec: Path) -> None:
     text = SPEC.replace("  leg: {min: 250 mm, max: 500 mm, start: 330 mm}\n", "")
     spec.write_text(
