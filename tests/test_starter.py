@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 from collections.abc import Mapping
@@ -16,7 +17,9 @@ from pydantic import Field
 from orthospec import registry
 from orthospec.errors import UsageError
 from orthospec.manipulators.orthoglide import Orthoglide
-from orthospec.optimise import solve
+from orthospec.optimise.hunt import hunt
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.workers import Here
 from orthospec.quantities import Length
 from orthospec.show.keys import keys_of
 from orthospec.spec import load_spec, schema
@@ -34,15 +37,16 @@ def text_of() -> Mapping[str, str]:
 
 
 @pytest.mark.parametrize("machine", MACHINES)
-def test_it_is_checked_and_solved(machine: str, text_of: Mapping[str, str], spec_of: Any) -> None:
-    """A wide grid and few boxes: the design does not depend on them."""
-    spec = spec_of(text_of[machine], "workspace.divisions=4", "optimise.starts=4", "proof=false")
-    finding = solve(spec).finding
-    assert finding.status in ("attained", "compromise")
-    assert finding.evaluation.holds
-    (variable,) = spec.variables.values()
-    (value,) = finding.design.values.values()
-    assert variable.min < value < variable.start
+def test_it_is_checked_and_solved_within_its_range(
+    machine: str, text_of: Mapping[str, str], spec_of: Any
+) -> None:
+    spec = spec_of(text_of[machine], "workspace.divisions=4", "optimise.starts=1")
+    space = DesignSpace(spec)
+    best = hunt(space, Here()).best
+    assert best is not None
+    assert best.feasible
+    ((name, variable),) = spec.variables.items()
+    assert variable.min < space.values(best.end.design)[name] < variable.start
 
 
 @pytest.mark.parametrize("machine", MACHINES)
@@ -109,6 +113,12 @@ class _Inches(Orthoglide):
     leg_lengths: Annotated[tuple[Length, Length, Length], Field(examples=[["20 in"] * 3])]
 
 
+class _Wrong(_Inches):
+    """A machine whose example is no length."""
+
+    leg_lengths: Annotated[tuple[Length, Length, Length], Field(examples=[("20 kg",) * 3])]
+
+
 class _Nowhere(_Inches):
     """A machine that reaches no pose."""
 
@@ -145,7 +155,28 @@ def test_lengths_stay_in_the_unit_of_the_example(install: Any, spec_of: Any) -> 
     assert edge / 0.0254 == pytest.approx(round(edge / 0.0254))
 
 
-def test_examples_that_make_no_machine_are_told(install: Any) -> None:
-    install(_Nowhere)
-    with pytest.raises(UsageError, match=r"orthoglide: .*examples"):
+@pytest.mark.parametrize(
+    ("made_of", "said"), [(_Nowhere, "examples make no machine"), (_Wrong, "leg_lengths: 20 kg is a mass")]
+)
+def test_examples_that_make_no_machine_are_told(install: Any, made_of: type, said: str) -> None:
+    install(made_of)
+    with pytest.raises(UsageError, match=f"^orthoglide: .*{said}"):
         starting_spec("orthoglide", None)
+
+
+def test_a_planar_machine_gets_a_square_that_it_can_have_and_a_region(
+    install: Any, tmp_path: Path, spec_of: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The manual's has κ <= k in a square of side L (k − 1) / sqrt(1 + k²), and its slides have no end."""
+    page = (Path(__file__).parents[1] / "docs" / "plugins.md").read_text(encoding="utf-8")
+    source = page.split("<!-- module: biglide -->\n```python\n")[1].split("\n```")[0]
+    (tmp_path / "planar_of_the_manual.py").write_text(source, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    install(importlib.import_module("planar_of_the_manual").Biglide)
+    text = starting_spec("orthoglide", None)
+    spec = spec_of(text)
+    assert spec.workspace.region is not None
+    (bound,) = spec.measures
+    side = 0.4 * (bound.bounds["at_most"] - 1) / np.sqrt(1 + bound.bounds["at_most"] ** 2)
+    assert spec.workspace.size[0] == spec.workspace.size[1] < side
+    assert spec.workspace.size[0] > 0.6 * side

@@ -6,6 +6,7 @@ from the largest one of the example itself, so that there is something to find.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -69,7 +70,7 @@ def first_problem(machine: str) -> Problem:
     (name,) = varied.path
     example = examples[name]
     first = example[0] if isinstance(example, list) else example
-    length, unit = resolve(first, "m", {}), str(first).split()[-1] if is_quantity(str(first)) else "m"
+    length, unit = _length(machine, name, first), str(first).split()[-1] if is_quantity(str(first)) else "m"
     found, endless = _tried(machine, examples, length, lengths)
     most, edge = _cuboid(machine, found, length / 2)
     variable = _name(name, made_of)
@@ -93,14 +94,25 @@ def first_problem(machine: str) -> Problem:
 def _examples(machine: str, made_of: type[Manipulator]) -> dict[str, Any]:
     """An example of each required key, and of others that have one; by the names in a spec."""
     schema = made_of.model_json_schema()
-    known = {name: one["examples"][0] for name, one in schema["properties"].items() if one.get("examples")}
+    given = {name: one["examples"][0] for name, one in schema["properties"].items() if one.get("examples")}
+    known = json.loads(json.dumps(given))
     missing = [name for name in schema.get("required", ()) if name not in known]
     if missing:
         raise UsageError(
             f"{machine} gives no example of {', '.join(missing)}, so that no spec can be made for it; write"
             f" one by hand (`orthospec explain {machine}`), or let its author add Field(examples=[...])"
         )
-    return known
+    return dict(known)
+
+
+def _length(machine: str, key: str, example: Any) -> float:
+    try:
+        length = resolve(example, "m", {})
+    except ValueError as error:
+        raise UsageError(f"{machine}: the example of its key {key}: {error}") from None
+    if length > 0:
+        return length
+    raise UsageError(f"{machine}: the example of its key {key} is {example}, not above 0")
 
 
 def _is_length(key: Key, example: Any) -> bool:
