@@ -156,7 +156,7 @@ def test_lengths_stay_in_the_unit_of_the_example(install: Any, spec_of: Any) -> 
 
 
 @pytest.mark.parametrize(
-    ("made_of", "said"), [(_Nowhere, "examples make no machine"), (_Wrong, "leg_lengths: 20 kg is a mass")]
+    ("made_of", "said"), [(_Nowhere, "there is no cuboid"), (_Wrong, "leg_lengths: 20 kg is a mass")]
 )
 def test_examples_that_make_no_machine_are_told(install: Any, made_of: type, said: str) -> None:
     install(made_of)
