@@ -180,6 +180,16 @@ def test_too_many_combinations_are_refused_as_a_run_does(spec_of: SpecOf) -> Non
         plan(_catalogue(spec_of, 1100))
 
 
+@pytest.mark.parametrize(("asked", "designs"), [(21, 21), (20, 15), (2, 3)])
+def test_a_pareto_set_of_three_goals_has_the_points_of_a_triangle(
+    spec_of: SpecOf, asked: int, designs: int
+) -> None:
+    more = "  even: {minimise: worst(condition), goal: 2}\n  near: {minimise: stroke, goal: 200 mm}\n"
+    spec = spec_of(SPEC.replace("optimise:", f"{more}optimise:") + f"pareto: {{points: {asked}}}\n")
+    assert plan(spec).front == designs
+    assert f"pareto    up to {designs} designs" in text(spec)
+
+
 def test_a_measure_that_fails_is_told_before_the_run(
     spec_of: SpecOf, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -219,6 +229,8 @@ Measured and proved
             condition: condition_number, at most 5
   levels    transmission: at most 1.8
   proof     within 1 %, over up to 5 cuboids, by up to 20 boxes each time
+  limits    each thing that binds, with its price by solving again to either
+            side
   sweep     3 designs, leg = 300 ... 500 mm, each on a grid of its own: less
             than 1 s
 

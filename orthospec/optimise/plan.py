@@ -21,6 +21,8 @@ from orthospec.optimise.branch import MOST, every_choice
 from orthospec.optimise.cache import kept_of
 from orthospec.optimise.explore import MEASURE, candidates, coarse_grid
 from orthospec.optimise.hunt import KEPT, REFINED
+from orthospec.optimise.lattice import shares_of
+from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.spec import Design, Spec
 from orthospec.workspace.field import BLOCK, measured
@@ -75,6 +77,8 @@ class Plan:
     searching: Searching | None
     proofs: int
     """Most cuboids of one design over which something is proved; 0: nothing is."""
+    front: int
+    """Most designs of a Pareto set; 0: none is asked for."""
     plugins: tuple[registry.Installed, ...]
     kept: int
     """Of ``steps``, how many were done already."""
@@ -98,6 +102,7 @@ def plan(spec: Spec, cache: Path | None = None) -> Plan:
         timed=timed(design, grid),
         searching=searching,
         proofs=_proofs(spec, design) if spec.proof is not None else 0,
+        front=0 if spec.pareto is None else len(shares_of(len(soft_goals(spec)), spec.pareto)),
         plugins=spec.plugins,
         kept=kept,
         steps=steps,

@@ -40,7 +40,7 @@ def plan_content(spec: Spec, plan: Plan) -> dict[str, Any]:
         "measures": {measure.name: {"levels": len(measure.levels)} for measure in spec.measures},
         "poses": list(spec.poses),
         "sweep": None if spec.sweep is None else asdict(spec.sweep),
-        "pareto": spec.pareto,
+        "pareto": plan.front or None,
         "proof": None if spec.proof is None else {**spec.proof.model_dump(), "cuboids": plan.proofs},
         "plugins": [one._asdict() for one in plan.plugins],
         "kept": {"steps": plan.steps, "known": plan.kept},
@@ -125,13 +125,15 @@ def _told(spec: Spec, plan: Plan, known: Labels, numbers: Numbers) -> Iterator[_
             "proof",
             f"within {slack}, over up to {plan.proofs} cuboids, by up to {spec.proof.boxes} boxes each time",
         )
+    if plan.searching is not None:
+        yield "limits", "each thing that binds, with its price by solving again to either side"
     sweep = spec.sweep
     if sweep is not None:
         unit = known.variables.get(sweep.variable, UNKNOWN)
         ends = numbers.interval(sweep.start, sweep.stop, unit)
         yield "sweep", f"{sweep.points} designs, {sweep.variable} = {ends}, {_grids(plan, sweep.points)}"
-    if spec.pareto is not None:
-        yield "pareto", f"up to {spec.pareto} designs, {_grids(plan, spec.pareto)}, and the search for each"
+    if plan.front:
+        yield "pareto", f"up to {plan.front} designs, {_grids(plan, plan.front)}; and what finds them"
 
 
 def _grids(plan: Plan, designs: int) -> str:
