@@ -214,7 +214,7 @@ def test_plugins_explain_and_schema_print() -> None:
 def test_version_and_help() -> None:
     assert _orthospec("--version").stdout.startswith("orthospec 0.")
     text = _orthospec("--help").stdout
-    commands = ["run", "check", "evaluate", "show", "plugins", "explain", "schema"]
+    commands = ["init", "run", "check", "plan", "evaluate", "show", "plugins", "explain", "schema"]
     listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
     assert listed == commands
     assert "..." not in text.partition("Commands:\n")[2]
