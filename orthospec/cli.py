@@ -121,6 +121,30 @@ def _orthospec(
 
 
 @_command
+def init(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Writes NAME.yaml; - prints the spec instead.")
+    ] = "spec",
+    machine: Annotated[
+        str, typer.Option("--machine", metavar="NAME", help="An installed manipulator; see `plugins`.")
+    ] = "orthoglide",
+) -> int:
+    """Write a spec to start from, with every key explained.
+
+    Beside it stands orthospec.schema.json, by which editors complete and check specs.
+    """
+    from orthospec.starter import starting_spec, write_start
+
+    if name == "-":
+        _print(starting_spec(machine, None))
+        return DONE
+    spec, schema = write_start(name, machine)
+    _print(f"Written to {spec}, and to {schema} what editors complete it by")
+    _print(f"Next: orthospec plan {spec}, orthospec run {spec}")
+    return DONE
+
+
+@_command
 def run(
     spec: SpecFile,
     out: Annotated[
@@ -174,6 +198,30 @@ def check(
         else:
             _print(f"{spec}: ok ({_in_a_line(problem)})")
     return max(codes)
+
+
+@_command
+def plan(
+    spec: SpecFile,
+    settings: Settings = None,
+    cache: Annotated[
+        Path | None,
+        typer.Option("--cache", metavar="DIR", help="Where runs keep what was done; else your cache folder."),
+    ] = None,
+    as_json: Json = False,
+) -> int:
+    """Tell what a run would do, without running it."""
+    from orthospec.optimise.plan import plan as planned
+    from orthospec.show import plan_content, show_plan
+    from orthospec.spec import load_spec
+
+    problem = load_spec(Path(spec), settings or [])
+    found = planned(problem, cache)
+    if as_json:
+        _print_json(plan_content(problem, found))
+    else:
+        _print(show_plan(problem, found, **_format(sys.stdout)))
+    return DONE
 
 
 @_command

@@ -107,6 +107,31 @@ def test_a_folder_in_the_way_is_refused_before_the_work(spec: Path, monkeypatch:
     assert "holds other files and no result" in result.stderr
 
 
+def test_init_writes_a_spec_that_check_accepts_or_prints_it(spec: Path) -> None:
+    written = _orthospec("init", "mine").stdout
+    assert "Written to mine.yaml" in written
+    assert (spec.parent / "orthospec.schema.json").exists()
+    assert (
+        _orthospec("check", "mine.yaml").stdout
+        == "mine.yaml: ok (orthoglide, 1 variable, 1 measure, 1 goal)\n"
+    )
+    assert "mine.yaml is there already" in _orthospec("init", "mine", code=2).stderr
+    printed = _orthospec("init", "-", "--machine", "linear_delta").stdout
+    assert "$schema" not in printed
+    assert _orthospec("check", "-", text=printed).stdout.startswith("-: ok (linear_delta")
+    assert "did you mean 'orthoglide'?" in _orthospec("init", "--machine", "orthoglyde", code=2).stderr
+
+
+def test_plan_tells_and_runs_nothing(spec: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "none"
+    printed = _orthospec("plan", spec.name, "--cache", str(folder)).stdout
+    assert printed.startswith("A small one\n  Nothing was run.")
+    content = json.loads(_orthospec("plan", spec.name, "--json", "--set", "optimise.starts=6").stdout)
+    assert content["search"]["starts"] == 6
+    assert content["kept"]["steps"] == 6
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["small.yaml"]
+
+
 def test_run_without_variables_evaluates_and_writes(spec: Path) -> None:
     text = SPEC.replace("  leg: {min: 250 mm, max: 500 mm, start: 330 mm}\n", "")
     spec.write_text(
@@ -189,7 +214,7 @@ def test_plugins_explain_and_schema_print() -> None:
 def test_version_and_help() -> None:
     assert _orthospec("--version").stdout.startswith("orthospec 0.")
     text = _orthospec("--help").stdout
-    commands = ["run", "check", "evaluate", "show", "plugins", "explain", "schema"]
+    commands = ["init", "run", "check", "plan", "evaluate", "show", "plugins", "explain", "schema"]
     listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
     assert listed == commands
     assert "..." not in text.partition("Commands:\n")[2]

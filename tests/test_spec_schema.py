@@ -15,6 +15,16 @@ from orthospec.quantities.units import parse_unit
 from orthospec.spec import schema
 from orthospec.spec.strict_yaml import parse
 
+WORDS = """
+$schema $defs $ref type title description default properties additionalProperties required items prefixItems
+minItems maxItems minimum maximum exclusiveMinimum exclusiveMaximum anyOf allOf oneOf enum const examples
+if then enumDescriptions
+"""
+"""Those in use here of the keywords in src/languageservice/jsonSchema.ts of redhat-developer's
+yaml-language-server, which VS Code's YAML extension runs; ``prefixItems`` is checked from its
+Draft2020Validator on, and passed over before."""
+NOTED = frozenset({"x-unit"})
+"""What others pass over."""
 SPECS = sorted((Path(__file__).parent.parent / "specs").glob("*.yaml"))
 SPEC = """\
 orthospec: 1
@@ -93,10 +103,43 @@ def test_a_wrong_form_is_refused_where_it_stands(
     assert where in [list(error.absolute_path) for error in errors]
 
 
+def test_editors_know_every_keyword_of_it(validator: Any) -> None:
+    schemas = list(_schemas(validator.schema))
+    assert len(schemas) > 500
+    assert {word for one in schemas for word in one} - {*WORDS.split()} - NOTED == set()
+    references = {one["$ref"] for one in schemas if "$ref" in one}
+    assert references == {f"#/$defs/{name}" for name in validator.schema["$defs"]}
+
+
+def test_editors_write_no_default_that_means_nothing_and_show_one_title(validator: Any) -> None:
+    top, *others = _schemas(validator.schema)
+    assert top["title"] == "orthospec spec, format 1"
+    assert [one for one in others if "title" in one] == []
+    assert [one for one in others if "null" in json.dumps(one.get("default", 0))] == []
+    workspace = validator.schema["$defs"]["WorkspaceKeys"]["properties"]
+    assert workspace["divisions"]["default"] == 20
+    assert workspace["together"]["default"] is True
+
+
+@pytest.mark.parametrize("section", ["ManipulatorKeys", "MeasureKeys"])
+def test_each_name_is_told_in_a_line_and_bounds_in_their_unit(validator: Any, section: str) -> None:
+    about = validator.schema["$defs"][section]
+    told = dict(
+        zip(about["properties"]["use"]["enum"], about["properties"]["use"]["enumDescriptions"], strict=True)
+    )
+    assert all(told.values())
+    if section == "MeasureKeys":
+        bounds = _named(about, "gie_norm")["properties"]
+        assert bounds["at_most"]["description"].endswith("[kg].")
+        assert bounds["at_least"] is False
+
+
 def test_every_key_is_described_and_plugins_tell_their_units(validator: Any) -> None:
     definitions = validator.schema["$defs"]
-    for name in ("WorkspaceKeys", "GoalKeys", "VariableKeys", "SweepKeys", "OptimiseKeys"):
-        for key, about in definitions[name]["properties"].items():
+    sections = {name: one for name, one in definitions.items() if "." not in name}
+    assert {"WorkspaceKeys", "GoalKeys", "VariableKeys", "SweepKeys", "ProofKeys"} < sections.keys()
+    for name, section in {"": validator.schema, **sections}.items():
+        for key, about in section["properties"].items():
             assert about.get("description"), f"{name}.{key}"
     orthoglide = _named(definitions["ManipulatorKeys"], "orthoglide")
     assert orthoglide["properties"]["leg_lengths"]["prefixItems"][0]["x-unit"] == "m"
@@ -123,6 +166,20 @@ def test_quantities_are_shown_by_examples_that_can_be_written(validator: Any) ->
         number, unit = text.split()
         assert unit != "1"
         assert parse_unit(unit).to_si(number) > 0
+
+
+def _schemas(schema: Any) -> Iterator[dict[str, Any]]:
+    """A schema and all that stand in it."""
+    if isinstance(schema, list):
+        for inner in schema:
+            yield from _schemas(inner)
+    elif isinstance(schema, dict):
+        yield schema
+        for word, inner in schema.items():
+            if word in ("properties", "$defs"):
+                yield from _schemas(list(inner.values()))
+            elif word not in ("default", "const", "enum", "examples", "required"):
+                yield from _schemas(inner)
 
 
 def _named(section: Any, name: str) -> Any:

@@ -38,9 +38,9 @@ class LinearDelta(PrismaticManipulator):
         ("leg_lengths", "base_radius", "platform_radius"), "m"
     )
 
-    base_radius: Annotated[Length, Field(ge=0)]
+    base_radius: Annotated[Length, Field(ge=0, examples=["250 mm"])]
     """Radius of the circle on which the slides have ρ = 0 [m]."""
-    platform_radius: Annotated[Length, Field(ge=0)]
+    platform_radius: Annotated[Length, Field(ge=0, examples=["50 mm"])]
     """Radius of the circle of the legs' ends on the platform [m]."""
     rail_tilt: Annotated[Angle, Field(gt=-math.pi / 2, le=math.pi / 2 + 1e-12)] = 0.0
     """Angle of the slides with the vertical; above 0 they lean outwards at the top [rad]."""

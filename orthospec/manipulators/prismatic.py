@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from orthospec.arrays import np
 from orthospec.manipulators.base import ActuatorLimits, Manipulator, Skeleton, remembering
@@ -63,7 +63,9 @@ class PrismaticManipulator(Manipulator):
     and actuators' stiffness there is no compliance.
     """
 
-    leg_lengths: tuple[PositiveLength, PositiveLength, PositiveLength]
+    leg_lengths: Annotated[
+        tuple[PositiveLength, PositiveLength, PositiveLength], Field(examples=[["400 mm"] * 3])
+    ]
     """Lengths of the legs of the three slides [m]."""
     joint_limits: JointLimits = JointLimits()
     """How far the sliders may go [m]; no limit where none is given."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import inf
+from math import inf, prod
 from typing import Any
 
 from orthospec.errors import UsageError
@@ -99,16 +99,21 @@ def choices_of(
     specs: Sequence[Spec], workers: Workers, progress: Progress | None = None
 ) -> tuple[list[Choice], int]:
     """The combinations to search, and how many there are; ``specs`` are one problem with various goals."""
-    variables = specs[0].variables
-    lists = {name: variables[name].choices for name in catalogues(specs[0])}
-    every: list[Choice] = [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
-    if len(every) > MOST_SCREENED:
-        raise UsageError(
-            f"the catalogues have {len(every)} combinations; at most {MOST_SCREENED} can be tried"
-        )
+    every = every_choice(specs[0])
     if len(every) <= MOST:
         return every, len(every)
     return _screened(specs, every, workers, progress), len(every)
+
+
+def every_choice(spec: Spec) -> list[Choice]:
+    """All combinations of a spec's catalogues; `UsageError` where they are too many."""
+    lists = {name: spec.variables[name].choices for name in catalogues(spec)}
+    combinations = prod(map(len, lists.values()))
+    if combinations > MOST_SCREENED:
+        raise UsageError(
+            f"the catalogues have {combinations} combinations; at most {MOST_SCREENED} can be tried"
+        )
+    return [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
 
 
 def _screened(

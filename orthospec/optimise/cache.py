@@ -163,6 +163,12 @@ def _keys(task: Task[Given, Made], space: DesignSpace, items: Sequence[Given]) -
     return [sha256_of(json.dumps([*common, encode(item)], ensure_ascii=False)) for item in items]
 
 
+def kept_of(folder: Path | None, task: Task[Given, Made], space: DesignSpace, items: Sequence[Given]) -> int:
+    """How many of the items' results seem to be kept in a folder, or the user's; nothing is made or read."""
+    where = user_cache() if folder is None else folder
+    return sum((where / key[:2] / f"{key}.json").exists() for key in _keys(task, space, items))
+
+
 def sha256_of(text: str) -> str:
     """In hexadecimal."""
     return hashlib.sha256(text.encode()).hexdigest()

@@ -108,7 +108,7 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[tuple[Group, ...], flo
     setting = space.setting
     bounded = [demand for demand in machine.demands.values() if demand.bounds]
     free = [name for name, demand in machine.demands.items() if not demand.bounds]
-    grid = _coarse_grid(machine, setting)
+    grid = coarse_grid(machine, setting)
     states, _ = node_states(machine.manipulator, bounded, grid)
     reach = reach_alone(states[0])
     if setting.together or not bounded:
@@ -126,7 +126,7 @@ def _place(space: DesignSpace, machine: Machine) -> tuple[tuple[Group, ...], flo
     return tuple(groups), min(scales)
 
 
-def _coarse_grid(machine: Machine, setting: Setting) -> Grid:
+def coarse_grid(machine: Machine, setting: Setting) -> Grid:
     """A grid of few nodes over the region or the reach, however large that is beside the cuboid."""
     region = setting.region or reach_box(machine.manipulator, setting.size)
     cuboids = float(np.prod(region.size / setting.size))

@@ -1,5 +1,6 @@
 """Text for the terminal: a result as a person reads it, what is known of the plugins, and progress."""
 
+from orthospec.show.plan import plan_content, show_plan
 from orthospec.show.plugins import explain, installed, show_installed
 from orthospec.show.progress import ProgressLine
 from orthospec.show.result import show
@@ -9,8 +10,10 @@ __all__ = [
     "ProgressLine",
     "explain",
     "installed",
+    "plan_content",
     "show",
     "show_installed",
+    "show_plan",
     "show_what_if",
     "what_if_content",
 ]

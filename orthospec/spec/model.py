@@ -100,16 +100,16 @@ class RegionKeys(_Keys):
     """A box of poses, one number for each axis of the size."""
 
     min: PerAxis
-    """Least coordinates."""
+    """Least coordinates [m]."""
     max: PerAxis
-    """Greatest coordinates."""
+    """Greatest coordinates [m]."""
 
 
 class WorkspaceKeys(_Keys):
     """The prescribed cuboid, and where and how finely to look for it."""
 
     size: Annotated[tuple[Amount, ...], Field(min_length=2, max_length=3)]
-    """Lengths of the prescribed cuboid's edges along the pose axes."""
+    """Lengths of the prescribed cuboid's edges along the pose axes [m]."""
     divisions: Count = 20
     """Steps of the grid along each edge of the cuboid."""
     region: RegionKeys | None = None
@@ -219,11 +219,11 @@ class SpecKeys(_Keys):
     goals: Named[GoalKeys] = {}
     """What is aimed at, under names of your own."""
     poses: Named[PerAxis] = {}
-    """Named poses at which every measure is reported."""
+    """Named poses at which every measure is reported: coordinates [m, rad] along the machine's axes."""
     sweep: SweepKeys | None = None
     """Evaluate along one variable."""
     optimise: OptimiseKeys = OptimiseKeys()
-    """How the optimiser searches."""
+    """How many starts are tried, and which."""
     pareto: ParetoKeys | None = None
     """Look for a Pareto set."""
     proof: ProofKeys | Literal[False] = ProofKeys()

@@ -1,12 +1,14 @@
 """JSON Schema of the spec file with the installed plugins' fields in it, for editors and other tools.
 
 It knows names, types, units and defaults; what only `orthospec check` can tell (expressions over known names,
-dimensions of quantities, bounds that fit together) is left to it.
+dimensions of quantities, bounds that fit together) is left to it. Units stand under ``x-unit``, and in the
+descriptions, which editors show.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import inspect
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pydantic.errors import PydanticInvalidForJsonSchema
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
     from orthospec.measures import Measure
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+TITLE = "orthospec spec, format 1"
+_NAMED = frozenset({"properties", "$defs"})
+_DATA = frozenset({"default", "const", "enum", "examples", "required"})
 
 
 def schema() -> dict[str, Any]:
@@ -30,7 +35,7 @@ def schema() -> dict[str, Any]:
     _add_plugins(definitions, registry.MANIPULATORS, registry.find_manipulator, ManipulatorKeys)
     _add_plugins(definitions, registry.MEASURES, registry.find_measure, MeasureKeys)
     definitions["ManipulatorKeys"]["oneOf"] = [{"required": ["use"]}, {"required": ["from"]}]
-    return {"$schema": DIALECT, **top, "title": "orthospec spec, format 1"}
+    return {"$schema": DIALECT, **_tidy(top), "title": TITLE}
 
 
 def _add_plugins(
@@ -41,10 +46,11 @@ def _add_plugins(
     keys["properties"]["use"] = {
         "type": "string",
         "enum": list(names),
+        "enumDescriptions": [""] * len(names),
         "description": keys["properties"]["use"]["description"],
     }
     keys["allOf"] = []
-    for name in names:
+    for number, name in enumerate(names):
         try:
             made_of = find(name)
             then = _plugin(definitions, f"{group.removeprefix('orthospec.')}.{name}", made_of)
@@ -53,6 +59,7 @@ def _add_plugins(
         then["properties"] = dict.fromkeys(keys["properties"], True) | _bounds(made_of) | then["properties"]
         named = {"properties": {"use": {"const": name}}, "required": ["use"]}
         keys["allOf"].append({"if": named, "then": then})
+        keys["properties"]["use"]["enumDescriptions"][number] = _first_lines(made_of)
 
 
 def _plugin(definitions: dict[str, Any], prefix: str, made_of: type[BaseModel]) -> dict[str, Any]:
@@ -73,4 +80,40 @@ def _bounds(made_of: type[BaseModel]) -> dict[str, Any]:
 
 
 def _bound(made_of: type[Measure], side: str) -> Any:
-    return {"x-unit": made_of.unit} if side in made_of.sides else False
+    if side not in made_of.sides:
+        return False
+    told = str(MeasureKeys.model_fields[side].description)
+    unit = "" if made_of.unit == "1" else f" [{made_of.unit}]"
+    return {"description": told.replace(", in the measure's unit", unit), "x-unit": made_of.unit}
+
+
+def _first_lines(made_of: type[BaseModel]) -> str:
+    """The first paragraph of a class's docstring, for a list of choices."""
+    return " ".join(inspect.cleandoc(made_of.__doc__ or "").partition("\n\n")[0].replace("`", "").split())
+
+
+def _tidy(schema: Any) -> Any:
+    """Without what an editor would only be led astray by.
+
+    A title is shown in place of the schema's own, and a default is written into the file: a key that is left
+    out would come as null.
+    """
+    if isinstance(schema, list):
+        return [_tidy(inner) for inner in schema]
+    if not isinstance(schema, Mapping):
+        return schema
+    tidy = {}
+    for word, inner in schema.items():
+        if word == "title" or (word == "default" and _is_nothing(inner)):
+            continue
+        if word in _NAMED:
+            tidy[word] = {name: _tidy(one) for name, one in inner.items()}
+        else:
+            tidy[word] = inner if word in _DATA else _tidy(inner)
+    return tidy
+
+
+def _is_nothing(default: Any) -> bool:
+    if isinstance(default, Mapping):
+        return all(map(_is_nothing, default.values()))
+    return default is None
