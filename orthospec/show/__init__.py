@@ -1,5 +1,6 @@
 """Text for the terminal: a result as a person reads it, what is known of the plugins, and progress."""
 
+from orthospec.show.diff import diff_content, show_diff
 from orthospec.show.plugins import explain, installed, show_installed
 from orthospec.show.progress import ProgressLine
 from orthospec.show.result import show
@@ -7,9 +8,11 @@ from orthospec.show.what_if import show_what_if, what_if_content
 
 __all__ = [
     "ProgressLine",
+    "diff_content",
     "explain",
     "installed",
     "show",
+    "show_diff",
     "show_installed",
     "show_what_if",
     "what_if_content",

@@ -43,6 +43,10 @@ class Page:
         for line in _wrapped(text, self._width - indent):
             self._lines.append(self.paint(lead + line, manner) if manner else lead + line)
 
+    def fits(self, columns: int) -> bool:
+        """Whether a line of so many columns fits."""
+        return columns <= self._width
+
     def rows(
         self, rows: Sequence[Sequence[str]], *, indent: int = 2, right: frozenset[int] = frozenset()
     ) -> None:
