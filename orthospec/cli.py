@@ -397,10 +397,12 @@ def _tell_git(call: GitCall, changed: bool, as_json: bool) -> int:
         b = read_side(call.new, stands_for=call.new_path or call.path, name=call.new_name)
         found = compare(a, b)
     except OrthospecError as error:
-        _print(f"{error}\n{call.path} is told by its lines: one version of it cannot be read here")
+        _print(f"{error}\n{call.path}: compared by its lines instead")
         _print(line_by_line(call))
         return DONE
     _tell_difference(found, changed, as_json)
+    if not as_json:
+        _print("")
     return DONE
 
 
