@@ -265,7 +265,8 @@ def diff(
 
     call = git_call(both, os.environ)
     if call is not None:
-        return _tell_git(call, changed, as_json)
+        _tell_git(call, changed, as_json)
+        return DONE
     if len(both) != 2:
         raise UsageError(f"two specs or two results were expected, {len(both)} given")
     a, b = (read_side(Path(one)) for one in both)
@@ -382,28 +383,22 @@ def _tell_difference(found: Comparison, changed: bool, as_json: bool) -> None:
         _print(show_diff(found, changed=changed, **_format(sys.stdout)))
 
 
-def _tell_git(call: GitCall, changed: bool, as_json: bool) -> int:
+def _tell_git(call: GitCall, changed: bool, as_json: bool) -> None:
     """Git stops at a driver that fails: what cannot be compared by meaning is told by its lines."""
     from orthospec.compare import compare, line_by_line, read_side
 
     if call.old is None and call.new is None:
         _print(f"{call.path}: not merged yet")
-        return DONE
-    if call.old is None or call.new is None:
+    elif call.old is None or call.new is None:
         _print(line_by_line(call))
-        return DONE
-    try:
-        a = read_side(call.old, stands_for=call.path, name=call.old_name)
-        b = read_side(call.new, stands_for=call.new_path or call.path, name=call.new_name)
-        found = compare(a, b)
-    except OrthospecError as error:
-        _print(f"{error}\n{call.path}: compared by its lines instead")
-        _print(line_by_line(call))
-        return DONE
-    _tell_difference(found, changed, as_json)
-    if not as_json:
-        _print("")
-    return DONE
+    else:
+        try:
+            a = read_side(call.old, stands_for=call.path, name=call.old_name)
+            b = read_side(call.new, stands_for=call.new_path or call.path, name=call.new_name)
+            _tell_difference(compare(a, b), changed, as_json)
+        except OrthospecError as error:
+            _print(f"{error}\n{call.path}: compared by its lines instead\n{line_by_line(call)}")
+    _print("")
 
 
 def _tell_folder(folder: Path, as_json: bool) -> None:

@@ -57,7 +57,7 @@ def line_by_line(call: GitCall) -> str:
     """The two versions by their lines, where they have no meaning to compare."""
     before, after = (_lines(path) for path in (call.old, call.new))
     lines = difflib.unified_diff(before, after, call.old_name, call.new_name, lineterm="")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)
 
 
 def _lines(path: Path | None) -> list[str]:

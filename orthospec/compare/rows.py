@@ -1,7 +1,7 @@
 """Two nested contents as rows, one for each value: where it stands, what it is on either side, how far apart.
 
->>> [str(row) for row in rows({"leg": 0.25, "use": "a"}, {"leg": 0.3, "use": "a"})]
-['leg: 0.25 -> 0.3', 'use: a -> a']
+>>> [(row.what, row.state) for row in rows({"legs": [0.25, 0.3]}, {"legs": [0.25, 0.35]})]
+[('legs.0', 'same'), ('legs.1', 'changed')]
 """
 
 from __future__ import annotations
@@ -44,10 +44,6 @@ class Row:
     def relative(self) -> float | None:
         """The difference as a part of |A|; None where that is 0."""
         return None if self.difference is None or self.a == 0 else self.difference / abs(self.a)
-
-    def __str__(self) -> str:
-        """``leg: 0.25 -> 0.3``."""
-        return f"{self.what}: {self.a} -> {self.b}"
 
 
 def rows(a: Any, b: Any, path: Path = (), floor: Mapping[str, float] | None = None) -> Iterator[Row]:

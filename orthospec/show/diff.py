@@ -123,14 +123,14 @@ class _Writer:
 
     def _row(self, line: _Line, widths: list[int]) -> None:
         """The text beside its label or, where the terminal is too narrow for that, below."""
-        label, parts = line.label.ljust(widths[0]), line.words
+        label, led, text = line.label.ljust(widths[0]), line.words[:-1], "".join(line.words[-1:])
         if line.cells:
             cells = [cell.rjust(width) for cell, width in zip(line.cells, widths[1:], strict=True)]
-            parts = ("  ".join(cells),)
+            text = self.page.paint("  ".join(cells).rstrip(), line.manner)
         if not self._fits(widths):
             self.page.rows([(self.page.paint(line.label, line.manner),)] if line.label else [])
             label = ""
-        self.page.rows([[self.page.paint(part, line.manner) for part in (label, *parts)]])
+        self.page.rows([[*(self.page.paint(part, line.manner) for part in (label, *led)), text]])
 
     def _rest(self) -> None:
         differ = len(self.found.changed)

@@ -24,8 +24,8 @@ class Page:
         return "\n".join(line.rstrip() for line in self._lines) + "\n"
 
     def paint(self, text: str, manner: str) -> str:
-        """Text in a manner: bold, dim, good, warn, bad."""
-        return f"\033[{_COLOURS[manner]}m{text}\033[0m" if self._colour and text else text
+        """Text in a manner: bold, dim, good, warn, bad; or as it is."""
+        return f"\033[{_COLOURS[manner]}m{text}\033[0m" if self._colour and text and manner else text
 
     def heading(self, text: str) -> None:
         """A heading, with a line left free before it."""
