@@ -10,6 +10,7 @@ from orthospec.result.model import (
     LargestRecord,
     LimitRecord,
     MeasureRecord,
+    ParetoRecord,
     PrescribedRecord,
     Result,
 )
@@ -61,8 +62,8 @@ def _measure(content: Mapping[str, Any]) -> dict[str, Any]:
 def of_result(result: Result) -> dict[str, Any]:
     """What a result found, in SI.
 
-    Goals, λ, design, machine, indices, the cuboids' scales, the measures' extremes, prices and verdicts;
-    of the designs of a Pareto set or sweep goals, variables and extremes.
+    Goals, λ, design, machine, indices, the cuboids' scales, the measures' extremes, prices and verdicts; of a
+    Pareto set the goals and variables, of a sweep the variables and extremes.
     """
     return {
         "status": result.status,
@@ -70,8 +71,8 @@ def of_result(result: Result) -> dict[str, Any]:
         **_given(variables=result.variables, manipulator=result.manipulator, indices=result.indices),
         **_given(workspace=_workspace(result)),
         **_given(limits=_limits(result.limits)),
-        **_given(pareto=[_point(one, one.attainment) for one in result.pareto]),
-        **_given(sweep=[_point(one) for one in result.sweep]),
+        **_given(pareto=[_alternative(one) for one in result.pareto]),
+        **_given(sweep=[_swept(one) for one in result.sweep]),
         **_given(provenance={k: v for k, v in result.provenance.items() if k in ("orthospec", "plugins")}),
     }
 
@@ -108,11 +109,13 @@ def _measured(record: MeasureRecord) -> dict[str, Any]:
         {**_given(at_least=level.at_least, at_most=level.at_most), **_largest(level)}
         for level in record.levels
     ]
+    # A measure without directions has one value a pose.
+    poses = {name: at[0] if at and len(at) == 1 else at for name, at in record.poses.items()}
     return {
         **_given(scale=record.scale),
         **_verdict(record),
         **_extremes(record),
-        **_given(levels=levels, poses=record.poses, prescribed=_prescribed(record.prescribed)),
+        **_given(levels=levels, poses=poses, prescribed=_prescribed(record.prescribed)),
     }
 
 
@@ -122,17 +125,23 @@ def _extremes(record: MeasureRecord) -> dict[str, Any]:
 
 
 def _limits(limits: list[LimitRecord]) -> dict[str, Any]:
-    """By kind, then name and side; in the file they stand by their gains."""
-    sorted_in: dict[str, dict[str, Any]] = {}
-    for one in limits:
-        named = f".{one.side}" if one.side is not None else ""
-        name = one.name.removesuffix(named) + named
-        sorted_in.setdefault(one.kind, {})[name] = {"gain": one.gain, "cost": one.cost}
-    return sorted_in
+    """By kind, name and side; in the file they stand by their gains."""
+    return {_called(one): {"gain": one.gain, "cost": one.cost} for one in limits}
 
 
-def _point(one: DesignRecord, attainment: AttainmentRecord | None = None) -> dict[str, Any]:
-    """A design of a Pareto set or sweep, in short."""
-    goals = {} if attainment is None else {name: goal.value for name, goal in attainment.goals.items()}
+def _called(limit: LimitRecord) -> str:
+    """``bound.transmission.at_most``; a joint limit's name ends with its side."""
+    side = "" if limit.side is None else f".{limit.side}"
+    return f"{limit.kind}.{limit.name.removesuffix(side)}{side}"
+
+
+def _alternative(one: ParetoRecord) -> dict[str, Any]:
+    goals = (
+        {} if one.attainment is None else {name: goal.value for name, goal in one.attainment.goals.items()}
+    )
+    return _given(goals=goals, variables=one.variables)
+
+
+def _swept(one: DesignRecord) -> dict[str, Any]:
     measures = {name: _extremes(record) for name, record in one.workspace.measures.items()}
-    return _given(goals=goals, variables=one.variables, measures=measures)
+    return _given(variables=one.variables, measures=measures)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -114,9 +115,17 @@ class _Writer:
         for name, lines in texts.items():
             self.page.heading(_HEADINGS.get(name, name) if self.found.a.kind == "result" else name)
             head = [_Line("", ("A", "B", "B - A", ""), manner="dim")] if name == with_head else []
-            for line in head + lines:
-                self._row(line, whole if self._fits(whole) else _widths(lines))
+            fitting, widths = (lines, whole) if self._fits(whole) else self._narrow(lines)
+            for line in head + fitting:
+                self._row(line, widths)
         self._rest()
+
+    def _narrow(self, lines: list[_Line]) -> tuple[list[_Line], list[int]]:
+        """A section by itself and, where that is too wide, with A's unit left to B."""
+        widths = _widths(lines)
+        if not self._fits(widths):
+            lines = [replace(line, cells=_one_unit(line.cells)) for line in lines]
+        return lines, _widths(lines)
 
     def _fits(self, widths: list[int]) -> bool:
         return self.page.fits(sum(widths) + 2 * len(widths))
@@ -127,10 +136,12 @@ class _Writer:
         if line.cells:
             cells = [cell.rjust(width) for cell, width in zip(line.cells, widths[1:], strict=True)]
             text = self.page.paint("  ".join(cells).rstrip(), line.manner)
-        if not self._fits(widths):
+        below = not self._fits(widths)
+        if below:
             self.page.rows([(self.page.paint(line.label, line.manner),)] if line.label else [])
             label = ""
-        self.page.rows([[*(self.page.paint(part, line.manner) for part in (label, *led)), text]])
+        parts = [*(self.page.paint(part, line.manner) for part in (label, *led)), text]
+        self.page.rows([parts], indent=4 if below else 2)
 
     def _rest(self) -> None:
         differ = len(self.found.changed)
@@ -183,26 +194,40 @@ class _Writer:
 
 
 def _folded(lines: Iterable[tuple[Path, _Line]]) -> Iterator[_Line]:
-    """Items of one list that say the same in one line, ``leg_lengths.0 ... 2``."""
+    """Items of a list, and indices of equal legs, that say the same in one line: ``leg_lengths.0 ... 2``."""
     for _, group in itertools.groupby(lines, key=_alike):
         several = list(group)
-        _, line = several[0]
-        last = several[-1][0][-1]
+        line, last = several[0][1], several[-1][0][-1]
         yield line if len(several) == 1 else replace(line, label=f"{line.label} ... {last}")
 
 
 def _alike(one: tuple[Path, _Line]) -> tuple[Any, ...]:
     path, line = one
-    return (path[:-1], line.cells, line.words) if isinstance(path[-1], int) else path
+    if isinstance(path[-1], int):
+        return (path[:-1], line.cells, line.words)
+    return (re.sub(r"\d+", "#", str(path[-1])), line.cells, line.words) if path[0] == "indices" else path
 
 
 def _label(path: Path) -> str:
     """The path under its heading, in a result without the keys that say nothing more."""
     if path[0] == "attainment":
         path = ("", "λ") if path[-1] == "factor" else ("", *path[2:])
-    if path[:2] == ("workspace", "measures") or path[:2] == ("limits", "bound"):
+    if path[0] == "limits":
+        path = ("", str(path[1]).removeprefix("bound."), *path[2:])
+    if path[:2] == ("workspace", "measures"):
         path = path[1:]
-    return ".".join(map(str, path[1:-1] if path[-1] == "value" else path[1:]))
+    if path[0] == "sweep":
+        path = (*path[:2], *path[3:])
+    of_extreme = path[-1] == "value" and len(path) > 2
+    return ".".join(map(str, path[1:-1] if of_extreme else path[1:]))
+
+
+def _one_unit(cells: tuple[str, ...]) -> tuple[str, ...]:
+    """The unit of two numbers behind the second alone."""
+    if not cells:
+        return cells
+    (a, unit), (_, other) = (cell.partition(" ")[::2] for cell in cells[:2])
+    return (a, *cells[1:]) if unit == other else cells
 
 
 def _widths(lines: list[_Line]) -> list[int]:
