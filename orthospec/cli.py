@@ -23,6 +23,7 @@ from orthospec.threads import one_blas_thread
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
+    from orthospec.compare import Comparison, GitCall
     from orthospec.optimise import Outcome, Workers
     from orthospec.show import ProgressLine
     from orthospec.spec import Spec
@@ -296,6 +297,32 @@ def show(result: ResultPath, as_json: Json = False) -> int:
 
 
 @_command
+def diff(
+    both: Annotated[
+        list[str],
+        typer.Argument(metavar="A B", help="Two specs, or two results; or what git gives a diff driver."),
+    ],
+    changed: Annotated[bool, typer.Option("--changed", help="Tell only what differs.")] = False,
+    as_json: Json = False,
+) -> int:
+    """Compare two specs or two results by what they mean.
+
+    Exit codes: 0 compared, whether they differ or not; 2 nothing to compare, or a spec with a result.
+    """
+    from orthospec.compare import compare, git_call, read_side
+
+    call = git_call(both, os.environ)
+    if call is not None:
+        _tell_git(call, changed, as_json)
+        return DONE
+    if len(both) != 2:
+        raise UsageError(f"two specs or two results were expected, {len(both)} given")
+    a, b = (read_side(Path(one)) for one in both)
+    _tell_difference(compare(a, b), changed, as_json)
+    return DONE
+
+
+@_command
 def plugins(as_json: Json = False) -> int:
     """List the installed manipulators and measures."""
     from orthospec.show import installed, show_installed
@@ -393,6 +420,33 @@ def _tell_what_if(
     else:
         _print(show_what_if(known, answer, **_format(sys.stdout)))
     return DONE
+
+
+def _tell_difference(found: Comparison, changed: bool, as_json: bool) -> None:
+    from orthospec.show import diff_content, show_diff
+
+    if as_json:
+        _print_json(diff_content(found, changed=changed))
+    else:
+        _print(show_diff(found, changed=changed, **_format(sys.stdout)))
+
+
+def _tell_git(call: GitCall, changed: bool, as_json: bool) -> None:
+    """Git stops at a driver that fails: what cannot be compared by meaning is told by its lines."""
+    from orthospec.compare import compare, line_by_line, read_side
+
+    if call.old is None and call.new is None:
+        _print(f"{call.path}: not merged yet")
+    elif call.old is None or call.new is None:
+        _print(line_by_line(call))
+    else:
+        try:
+            a = read_side(call.old, stands_for=call.path, name=call.old_name)
+            b = read_side(call.new, stands_for=call.new_path or call.path, name=call.new_name)
+            _tell_difference(compare(a, b), changed, as_json)
+        except OrthospecError as error:
+            _print(f"{error}\n{call.path}: compared by its lines instead\n{line_by_line(call)}")
+    _print("")
 
 
 def _tell_folder(folder: Path, as_json: bool) -> None:

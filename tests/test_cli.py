@@ -214,7 +214,8 @@ def test_plugins_explain_and_schema_print() -> None:
 def test_version_and_help() -> None:
     assert _orthospec("--version").stdout.startswith("orthospec 0.")
     text = _orthospec("--help").stdout
-    commands = ["init", "run", "check", "plan", "evaluate", "show", "plugins", "explain", "schema"]
+    commands = ["init", "run", "check", "plan", "evaluate", "show", "diff"]
+    commands += ["plugins", "explain", "schema"]
     listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
     assert listed == commands
     assert "..." not in text.partition("Commands:\n")[2]
@@ -369,3 +370,51 @@ def test_ctrl_c_while_fields_are_made_leaves_the_rest_of_the_result(
 @pytest.mark.usefixtures("spec")
 def test_fields_without_a_folder_says_what_to_add() -> None:
     assert "-o DIR" in _orthospec("evaluate", "small.yaml", "--fields", code=2).stderr
+
+
+def test_diff_tells_what_differs_and_ends_with_0(spec: Path) -> None:
+    (spec.parent / "other.yaml").write_text(
+        SPEC.replace("at_most: 2}", "at_most: 2.5}").replace("500 mm", "0.5")
+    )
+    result = _orthospec("diff", "small.yaml", "other.yaml")
+    assert "  transmission.at_most  2  2.5  +0.5  +25 %" in result.stdout.splitlines()
+    assert result.stderr == ""
+    assert "No difference in meaning" in _orthospec("diff", "small.yaml", "-", text=SPEC).stdout
+    found = json.loads(_orthospec("diff", "--changed", "--json", "small.yaml", "other.yaml").stdout)
+    assert [(row["what"], row["relative"]) for row in found["rows"]] == [
+        ("measures.transmission.at_most", pytest.approx(0.25))
+    ]
+    assert json.loads(_orthospec("diff", "--json", "small.yaml", "small.yaml").stdout)["same"] is True
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["small.yaml", "out"], "small.yaml is a spec and out is a result"),
+        (["out", "nowhere"], "nowhere: no such file or directory"),
+        (["empty", "out"], "empty: no result.yaml in this folder"),
+        (["small.yaml", "wrong.yaml"], "wrong.yaml:1:1: 'workspace' is missing"),
+        (["small.yaml"], "two specs or two results were expected, 1 given"),
+        (["small.yaml"] * 3, "two specs or two results were expected, 3 given"),
+    ],
+)
+def test_diff_refuses_what_it_cannot_compare(spec: Path, arguments: list[str], said: str) -> None:
+    (spec.parent / "wrong.yaml").write_text(
+        SPEC.replace("workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 8}\n", "")
+    )
+    (spec.parent / "empty").mkdir()
+    _orthospec("evaluate", "small.yaml", "-o", "out", "--at", "leg=0.35")
+    result = _orthospec("diff", *arguments, code=2)
+    assert result.stdout == ""
+    assert said in result.stderr
+
+
+def test_diff_answers_git_for_what_is_new_gone_or_not_merged(
+    spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, none = ["small.yaml", "0" * 40, "100644"], ["/dev/null", ".", "."]
+    assert "+title: A small one" in _orthospec("diff", "small.yaml", *none, *here).stdout.splitlines()
+    assert "-title: A small one" in _orthospec("diff", "small.yaml", *here, *none).stdout.splitlines()
+    monkeypatch.setenv("GIT_DIFF_PATH_COUNTER", "1")
+    assert _orthospec("diff", "small.yaml").stdout == "small.yaml: not merged yet\n\n"
+    assert spec.exists()

@@ -24,8 +24,8 @@ class Page:
         return "\n".join(line.rstrip() for line in self._lines) + "\n"
 
     def paint(self, text: str, manner: str) -> str:
-        """Text in a manner: bold, dim, good, warn, bad."""
-        return f"\033[{_COLOURS[manner]}m{text}\033[0m" if self._colour and text else text
+        """Text in a manner: bold, dim, good, warn, bad; or as it is."""
+        return f"\033[{_COLOURS[manner]}m{text}\033[0m" if self._colour and text and manner else text
 
     def heading(self, text: str) -> None:
         """A heading, with a line left free before it."""
@@ -42,6 +42,10 @@ class Page:
         lead = " " * indent
         for line in _wrapped(text, self._width - indent):
             self._lines.append(self.paint(lead + line, manner) if manner else lead + line)
+
+    def fits(self, columns: int) -> bool:
+        """Whether a line of so many columns fits."""
+        return columns <= self._width
 
     def rows(
         self, rows: Sequence[Sequence[str]], *, indent: int = 2, right: frozenset[int] = frozenset()

@@ -32,11 +32,11 @@ def show(content: Mapping[str, Any], *, width: int, colour: bool, spec: Spec | N
     result = Result.model_validate(content)
     known = labels(spec, result.variables)
     page = Page(width=width, colour=colour)
-    _Writer(page, result, known, Numbers(_is_small(result, known))).write()
+    _Writer(page, result, known, Numbers(is_small(result, known))).write()
     return str(page)
 
 
-def _is_small(result: Result, known: Labels) -> bool:
+def is_small(result: Result, known: Labels) -> bool:
     """Whether the prescribed cuboid is smaller than a metre."""
     size = list(known.size)
     places = [result.workspace.prescribed, *(one.prescribed for one in result.workspace.measures.values())]

@@ -27,14 +27,15 @@ if TYPE_CHECKING:
 Found = TypeVar("Found")
 
 
-def load_spec(path: Path, overrides: Sequence[str] = ()) -> Spec:
+def load_spec(path: Path, overrides: Sequence[str] = (), *, at: Path | None = None) -> Spec:
     """The checked spec in a file (``-``: standard input), with each KEY=VALUE of ``overrides`` set in it.
 
+    A copy is read as if it stood ``at`` another place: its mistakes are told there, its paths start there.
     Raises `SpecError` with all mistakes, `UsageError` where there is no file, and `PluginFault` where a
     plugin cannot be loaded.
     """
     text = _text(path)
-    document = parse(text, str(path))
+    document = parse(text, str(at or path))
     override(document, overrides)
     taken = solved.take(document)
     return _checked(document, dump(document.data) if overrides or taken else text, taken)
