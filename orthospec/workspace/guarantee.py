@@ -120,8 +120,9 @@ def bracket(
         return none_fits(machine, (1 + part) * scale * size, region, boxes, cuboid)[0]
 
     below, above = (next((part for part in PARTS if proved(part)), None) for proved in (holds, fits_nowhere))
-    least = None if below is None else (1 - below) * scale
-    most = None if above is None else (1 + above) * scale
+    # The corners of what was proved are rounded, and a scale is told to a little less than these allow.
+    least = None if below is None else (1 - below) * scale * (1 - ROUNDING)
+    most = None if above is None else (1 + above) * scale * (1 + ROUNDING)
     if region is not None:
         room = float(np.min(region.size / size)) * (1 + ROUNDING)
         most = room if most is None else min(most, room)
