@@ -190,7 +190,8 @@ def fields(
 
 def reach_alone(states: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """The state under no demand at all: what is in reach meets it (eq. 3)."""
-    return np.where(states == State.UNREACHABLE, State.UNREACHABLE, State.MEETS).astype(np.uint8)
+    unreachable, meets = np.uint8(State.UNREACHABLE), np.uint8(State.MEETS)  # a byte a node, not eight
+    return np.where(states == unreachable, unreachable, meets)
 
 
 def together(states: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
