@@ -12,35 +12,30 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
-import numpy as np
-
 from orthospec.errors import PluginFault
-from orthospec.optimise.appraise import FRONT, SWEEP, Appraisal, Asked, appraised, asked, error_of
+from orthospec.optimise.appraise import Appraisal, appraised, asked, error_of
 from orthospec.optimise.attain import REFIT, Attained, Refuted
 from orthospec.optimise.branch import beside_choices, catalogues, hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
+from orthospec.optimise.further import front_of, sweep_of
 from orthospec.optimise.limits import find_conflicts, find_limits
-from orthospec.optimise.meet import soft_goals
-from orthospec.optimise.objective import goal_values
-from orthospec.optimise.pareto import find_front
 from orthospec.optimise.proofs import proved, refuting_poses
 from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.status import attainment_of, status_of
 from orthospec.optimise.tasks import Stopped, Task, machine_and_measures
 from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.result import (
-    Attainment,
     Card,
     Finding,
     FrontSearch,
-    GoalOutcome,
     Limit,
     PluginError,
     Search,
     Status,
 )
-from orthospec.spec import Design, Goal, ProofKeys, Spec
+from orthospec.spec import Design, ProofKeys, Spec
 from orthospec.workspace.evaluate import Evaluation, Largest, Prescribed
 from orthospec.workspace.field import fields
 
@@ -50,8 +45,6 @@ if TYPE_CHECKING:
 
 REFITS = 5
 """How often a design that a proof refutes is solved on."""
-ATTAINED = 1e-9
-"""A goal counts as attained within this, relative."""
 
 T = TypeVar("T")
 
@@ -94,9 +87,9 @@ def evaluate_spec(
     design = spec.design(spec.default_values() if values is None else values)
     one = asked(design, spec.workspace.divisions)
     evaluation, known = clock.time("evaluate", lambda: appraised(doing, space, one, progress))
-    sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
+    sweep, left_out = clock.time("sweep", lambda: sweep_of(space, design, doing, progress))
     status: Status = "failed" if known.faults else "evaluated"
-    attainment = _attainment(design, evaluation)
+    attainment = attainment_of(design, evaluation)
     finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=(*known.errors, *left_out))
     return Outcome(finding, {"seconds": clock.seconds})
 
@@ -129,8 +122,8 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
             stopped = True
     ending = _measured(space, best, doing, clock, progress, stopped)
     best, design, evaluation, known, stopped = ending
-    attainment = _attainment(design, evaluation)
-    status = "unfinished" if stopped else _status(best, evaluation, attainment, known.faults)
+    attainment = attainment_of(design, evaluation)
+    status = "unfinished" if stopped else status_of(best, evaluation, attainment, known.faults)
     infeasible = status == "infeasible"
     limits: tuple[Limit, ...] = ()
     card: Card | None = None
@@ -143,9 +136,9 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         if best is not None and not best.feasible and status == "infeasible":
             card = clock.time("card", lambda: find_card(space, best.end, limits, doing, progress))
         if spec.pareto is not None and status in ("attained", "compromise"):
-            front, front_search = clock.time("pareto", lambda: _front(spec, doing, progress))
+            front, front_search = clock.time("pareto", lambda: front_of(spec, doing, progress))
         if not stopped:
-            sweep, left_out = clock.time("sweep", lambda: _sweep(space, design, doing, progress))
+            sweep, left_out = clock.time("sweep", lambda: sweep_of(space, design, doing, progress))
     except KeyboardInterrupt as stop:
         stopped, status = True, "unfinished"
         card = stop.made if isinstance(stop, Stopped) and isinstance(stop.made, Card) else card
@@ -258,41 +251,6 @@ def _fields(
 FIELDS = Task("grid", _fields, machine_and_measures, keeps_parts=True, divides=True)
 
 
-def _status(
-    best: Attained | None,
-    evaluation: Evaluation,
-    attainment: Attainment | None,
-    faults: tuple[PluginError, ...],
-) -> Status:
-    if faults:
-        return "failed"
-    if best is None or not best.feasible or not evaluation.holds:
-        return "infeasible"
-    goals = attainment.goals.values() if attainment is not None else ()
-    return "attained" if all(goal.attained for goal in goals) else "compromise"
-
-
-def _attainment(design: Design, evaluation: Evaluation) -> Attainment | None:
-    """λ and each goal's value; a goal that names a measure left out has no value and is not attained."""
-    if not design.goals:
-        return None
-    values = goal_values(design, evaluation)
-    goals = {goal.name: _outcome(goal, values[goal.name]) for goal in design.goals}
-    gaps = [_gap(goal, values[goal.name]) / goal.weight for goal in design.goals if goal.weight > 0]
-    return Attainment(float(max(gaps)) if gaps and np.isfinite(gaps).all() else None, goals)
-
-
-def _gap(goal: Goal, value: float) -> float:
-    """How far a goal is missed; negative where it is over-attained."""
-    gap = value - goal.goal
-    return {"minimise": gap, "maximise": -gap, "match": abs(gap)}[goal.sense]
-
-
-def _outcome(goal: Goal, value: float) -> GoalOutcome:
-    attained = _gap(goal, value) <= ATTAINED * (abs(goal.goal) or 1.0)
-    return GoalOutcome(value, goal.goal, goal.weight, bool(attained))
-
-
 def _limits(
     space: DesignSpace,
     best: Attained | None,
@@ -324,61 +282,3 @@ def _conflicts(best: Attained | None, limits: tuple[Limit, ...]) -> tuple[str, .
             }[limit.kind]
         )
     return tuple(found)
-
-
-def _front(
-    spec: Spec, workers: Workers, progress: Progress | None
-) -> tuple[tuple[Finding, ...], FrontSearch]:
-    """The Pareto set, each point as a finding; prices are parts of the goals' ranges over the set."""
-    front = find_front(spec, workers, progress)
-    ends = [(point.space, point.met.attained.end) for point in front.points]
-    designs = [space.design(end.design) for space, end in ends]
-    asks = [
-        asked(design, spec.workspace.divisions, end.cuboids(space))
-        for design, (space, end) in zip(designs, ends, strict=True)
-    ]
-    soft = set(soft_goals(spec))
-    measured = in_order(workers, FRONT, DesignSpace(spec), asks, progress)
-    told = [
-        (point, spec.design(design.values), known)
-        for point, design, known in zip(front.points, designs, measured, strict=True)
-        if known.error is None and known.evaluation is not None
-    ]
-    evaluations = [known.evaluation for _, _, known in told if known.evaluation is not None]
-    if spec.proof is not None:
-        pairs = [(design, one) for (_, design, _), one in zip(told, evaluations, strict=True)]
-        evaluations = proved(workers, DesignSpace(spec), pairs, spec.proof, progress, of=(Prescribed,))
-    found = []
-    for (point, design, known), evaluation in zip(told, evaluations, strict=True):
-        limits = find_limits(point.space, point.met.attained, workers, progress)
-        kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
-        attainment = _attainment(design, evaluation)
-        status = _status(point.met.attained, evaluation, attainment, known.faults)
-        found.append(Finding(status, design, evaluation, attainment, kept, is_knee=point.is_knee))
-    return tuple(found), front.search
-
-
-def _sweep(
-    space: DesignSpace, design: Design, workers: Workers, progress: Progress | None
-) -> tuple[tuple[Finding, ...], tuple[PluginError, ...]]:
-    """The design evaluated along one variable, the others as they are; and the points that cannot be.
-
-    A point without a machine, or whose reach cannot be found, must not lose the rest.
-    """
-    spec, sweep = space.spec, space.spec.sweep
-    if sweep is None:
-        return (), ()
-    line = [
-        {**design.values, sweep.variable: float(value)}
-        for value in np.linspace(sweep.start, sweep.stop, sweep.points)
-    ]
-    points = [Asked(tuple(values.values()), spec.workspace.divisions) for values in line]
-    found, left_out = [], []
-    for values, point in zip(line, in_order(workers, SWEEP, space, points, progress), strict=True):
-        if point.evaluation is None:
-            message = f"at {sweep.variable} = {values[sweep.variable]:g}: {point.error}"
-            left_out.append(PluginError("sweep", spec.place(("sweep",)), message))
-            continue
-        status: Status = "failed" if point.faults else "evaluated"
-        found.append(Finding(status, spec.design(values), point.evaluation, errors=point.errors))
-    return tuple(found), tuple(left_out)

@@ -1,0 +1,80 @@
+"""Further designs of a run, each told as the one that was found: a Pareto set, and a sweep."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from orthospec.optimise.appraise import FRONT, SWEEP, Asked, asked
+from orthospec.optimise.limits import find_limits
+from orthospec.optimise.meet import soft_goals
+from orthospec.optimise.pareto import find_front
+from orthospec.optimise.proofs import proved
+from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.status import attainment_of, status_of
+from orthospec.optimise.workers import Workers, in_order
+from orthospec.result import Finding, FrontSearch, PluginError, Status
+from orthospec.spec import Design, Spec
+from orthospec.workspace.evaluate import Prescribed
+
+if TYPE_CHECKING:
+    from orthospec.workspace.field import Progress
+
+
+def front_of(
+    spec: Spec, workers: Workers, progress: Progress | None
+) -> tuple[tuple[Finding, ...], FrontSearch]:
+    """The Pareto set, each point as a finding; prices are parts of the goals' ranges over the set."""
+    front = find_front(spec, workers, progress)
+    ends = [(point.space, point.met.attained.end) for point in front.points]
+    designs = [space.design(end.design) for space, end in ends]
+    asks = [
+        asked(design, spec.workspace.divisions, end.cuboids(space))
+        for design, (space, end) in zip(designs, ends, strict=True)
+    ]
+    soft = set(soft_goals(spec))
+    measured = in_order(workers, FRONT, DesignSpace(spec), asks, progress)
+    told = [
+        (point, spec.design(design.values), known)
+        for point, design, known in zip(front.points, designs, measured, strict=True)
+        if known.error is None and known.evaluation is not None
+    ]
+    evaluations = [known.evaluation for _, _, known in told if known.evaluation is not None]
+    if spec.proof is not None:
+        pairs = [(design, one) for (_, design, _), one in zip(told, evaluations, strict=True)]
+        evaluations = proved(workers, DesignSpace(spec), pairs, spec.proof, progress, of=(Prescribed,))
+    found = []
+    for (point, design, known), evaluation in zip(told, evaluations, strict=True):
+        limits = find_limits(point.space, point.met.attained, workers, progress)
+        kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
+        attainment = attainment_of(design, evaluation)
+        status = status_of(point.met.attained, evaluation, attainment, known.faults)
+        found.append(Finding(status, design, evaluation, attainment, kept, is_knee=point.is_knee))
+    return tuple(found), front.search
+
+
+def sweep_of(
+    space: DesignSpace, design: Design, workers: Workers, progress: Progress | None
+) -> tuple[tuple[Finding, ...], tuple[PluginError, ...]]:
+    """The design evaluated along one variable, the others as they are; and the points that cannot be.
+
+    A point without a machine, or whose reach cannot be found, must not lose the rest.
+    """
+    spec, sweep = space.spec, space.spec.sweep
+    if sweep is None:
+        return (), ()
+    line = [
+        {**design.values, sweep.variable: float(value)}
+        for value in np.linspace(sweep.start, sweep.stop, sweep.points)
+    ]
+    points = [Asked(tuple(values.values()), spec.workspace.divisions) for values in line]
+    found, left_out = [], []
+    for values, point in zip(line, in_order(workers, SWEEP, space, points, progress), strict=True):
+        if point.evaluation is None:
+            message = f"at {sweep.variable} = {values[sweep.variable]:g}: {point.error}"
+            left_out.append(PluginError("sweep", spec.place(("sweep",)), message))
+            continue
+        status: Status = "failed" if point.faults else "evaluated"
+        found.append(Finding(status, spec.design(values), point.evaluation, errors=point.errors))
+    return tuple(found), tuple(left_out)
