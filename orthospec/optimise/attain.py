@@ -112,8 +112,7 @@ def begin(space: DesignSpace, place: Place, progress: Progress | None = None) ->
 
 def finish(space: DesignSpace, begun: Attained, progress: Progress | None = None) -> Attained:
     """Solve to the end what was begun."""
-    found = _to_the_end(fit_at(space, begun.end, begun.learnt), begun.subproblems, progress)
-    return replace(found, start=begun.start, iterates=begun.iterates + found.iterates)
+    return _continued(fit_at(space, begun.end, begun.learnt), begun, progress)
 
 
 @dataclass(frozen=True)
@@ -128,8 +127,7 @@ def refit(space: DesignSpace, refuted: Refuted, progress: Progress | None = None
     """Solve on from an end that was refuted, minding the poses that were found."""
     before = refuted.end
     fit = fit_at(space, before.end, before.learnt, pinned=np.array(refuted.poses))
-    found = _to_the_end(fit, before.subproblems, progress)
-    return replace(found, start=before.start, iterates=before.iterates + found.iterates)
+    return _continued(fit, before, progress)
 
 
 def attain(space: DesignSpace, place: Place, progress: Progress | None = None) -> Attained:
@@ -141,6 +139,12 @@ _PARTS = (Attained, Place, Group, Learnt, Extreme, Iterate, Pressure, Condition)
 BEGIN = Task("refining the better starts", begin, problem_of, _PARTS)
 REFIT = Task("solving on where a proof failed", refit, problem_of, _PARTS)
 FINISH = Task("solving from the best starts", finish, problem_of, _PARTS)
+
+
+def _continued(fit: Fit, before: Attained, progress: Progress | None) -> Attained:
+    """Solve on from where another solve stood, as one solve with it."""
+    found = _to_the_end(fit, before.subproblems, progress)
+    return replace(found, start=before.start, iterates=before.iterates + found.iterates)
 
 
 def _to_the_end(fit: Fit, before: int, progress: Progress | None) -> Attained:

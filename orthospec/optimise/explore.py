@@ -145,6 +145,5 @@ def explore(
     """The starts that were found, best first, and how many designs were measured."""
     designs = [tuple(map(float, z)) for z in candidates(space)]
     found = in_order(workers, MEASURE, space, designs, progress)
-    return sorted((start for start in found if start is not None), key=lambda start: start.merit), len(
-        designs
-    )
+    starts = [start for start in found if start is not None]
+    return sorted(starts, key=lambda start: start.merit), len(designs)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orthospec.measures import Level
 from orthospec.optimise.space import DesignSpace
-from orthospec.optimise.tasks import Task, machine_and_measures
+from orthospec.optimise.tasks import Task, machine_and_bounds
 from orthospec.optimise.workers import Workers, in_order
 from orthospec.spec import Design, ProofKeys
 from orthospec.workspace.cuboid import Cuboid
@@ -64,16 +64,7 @@ def prove_cuboid(space: DesignSpace, one: ToProve, progress: Progress | None = N
     return Proved(proof, ends)
 
 
-def _machine_and_bounds(content: Mapping[str, Any]) -> dict[str, Any]:
-    measures = {
-        name: {key: value for key, value in one.items() if key != "levels"}
-        for name, one in content["measures"].items()
-    }
-    parts = {part: value for part, value in machine_and_measures(content).items() if part != "poses"}
-    return {**parts, "measures": measures, "tolerances": content.get("tolerances", {})}
-
-
-PROVE = Task("proving", prove_cuboid, _machine_and_bounds, (Proved, Proof, Bracket))
+PROVE = Task("proving", prove_cuboid, machine_and_bounds, (Proved, Proof, Bracket))
 
 
 def proved(

@@ -55,7 +55,7 @@ def problem_of(content: Mapping[str, Any]) -> dict[str, Any]:
         name: _without(one, "start") if one["min"] < one["max"] else one
         for name, one in content["variables"].items()
     }
-    measures = {name: _without(one, "levels") for name, one in content["measures"].items()}
+    measures = _measures_alone(content)
     goals, machine = content["goals"], content["manipulator"]
     workspace = _without(content["workspace"], "divisions")
     return {
@@ -72,6 +72,16 @@ def machine_and_measures(content: Mapping[str, Any]) -> dict[str, Any]:
     workspace = _without(content["workspace"], "divisions")
     parts = {part: content[part] for part in ("manipulator", "measures", "poses")}
     return {"variables": list(content["variables"]), "workspace": workspace, **parts}
+
+
+def machine_and_bounds(content: Mapping[str, Any]) -> dict[str, Any]:
+    """What a proof depends on: not poses to be told, nor levels."""
+    parts = _without(machine_and_measures(content), "poses")
+    return {**parts, "measures": _measures_alone(content), "tolerances": content.get("tolerances", {})}
+
+
+def _measures_alone(content: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: _without(one, "levels") for name, one in content["measures"].items()}
 
 
 def _without(content: Mapping[str, Any], name: str) -> dict[str, Any]:
