@@ -172,6 +172,12 @@ def test_each_status_has_its_sentence(status: str, said: str) -> None:
     assert said in _text(status=status)
 
 
+def test_stopped_while_starts_are_refined_no_places_are_told() -> None:
+    search = {"designs": 8, "refined": 3, "distinct": 0, "starts": 0, "subproblems": 9}
+    text = " ".join(_text(status="unfinished", search=search).split())
+    assert "Searched: 8 designs on a coarse grid; 3 refined; 0 solved to the end." in text
+
+
 def test_where_nothing_was_found_it_says_what_was_searched_and_what_conflicts(spec: Spec) -> None:
     search = {"designs": 8, "refined": 4, "distinct": 2, "starts": 1, "subproblems": 7}
     search["least_violation"] = 0.0492

@@ -49,8 +49,10 @@ def searched(search: SearchRecord) -> str:
     said = f"Searched: {counted(search.designs, 'design')} on a coarse grid"
     if not search.refined and not search.starts:
         return f"{said}. What follows is the start."
-    if search.refined is not None and search.distinct is not None:
-        said += f"; {search.refined} refined, leading to {counted(search.distinct, 'place')}"
+    if search.refined is not None:
+        # Stopped meanwhile, it is not known where they lead.
+        places = f", leading to {counted(search.distinct, 'place')}" if search.distinct else ""
+        said += f"; {search.refined} refined{places}"
     said += f"; {search.starts} solved to the end."
     if search.least_violation is None:
         return said
