@@ -8,7 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orthospec.kernels import _kernels, cube_sizes, symmetric_eigenvalues, twin
+from orthospec.kernels import (
+    _kernels,
+    cube_sizes,
+    gram_eigenvalues,
+    singular_values,
+    symmetric_eigenvalues,
+    twin,
+)
 
 EPS = np.finfo(float).eps
 DENSITIES = (0.0, 0.3, 0.7, 0.9, 0.97, 1.0)
@@ -232,6 +239,42 @@ class TestSymmetricEigenvalues:
         np.testing.assert_array_equal(symmetric_eigenvalues(matrices[::-2]), expected[::-2])
 
 
+class TestSingularValues:
+    @pytest.mark.parametrize("size", [2, 3, 6])
+    def test_equal_lapacks_at_random_also_where_they_are_far_apart(self, size):
+        random = np.random.default_rng(17)
+        matrices = random.standard_normal((2000, size, size)) * np.geomspace(1, 1e-7, size)
+        expected = np.linalg.svd(matrices, compute_uv=False)[:, ::-1]
+        found = singular_values(matrices)
+        apart = found[:, -1:] / found[:, :1]
+        # The square of what is still told by the eigenvalues of the gram matrix is their ratio.
+        error = np.abs(found - expected) / expected
+        assert (error <= np.where(apart < 1e3, 8 * EPS * apart**2 + 16 * EPS, 64 * EPS * apart)).all()
+
+    def test_equal_lapacks_where_they_meet_and_vanish(self):
+        turns, _ = np.linalg.qr(np.random.default_rng(18).standard_normal((2, 200, 3, 3)))
+        for spectrum in ([1, 1, 1], [1, 1, 2], [1, 2, 2], [0, 1, 2], [0, 0, 1], [1e-12, 1, 1]):
+            matrices = (turns[0] * np.array(spectrum, dtype=float)) @ turns[1]
+            assert np.abs(singular_values(matrices) - spectrum).max() <= 32 * EPS
+
+    def test_of_what_is_not_finite_are_nan_and_of_nothing_nothing(self):
+        matrices = np.array([np.eye(3), np.full((3, 3), np.inf), np.full((3, 3), np.nan), np.zeros((3, 3))])
+        np.testing.assert_array_equal(singular_values(matrices)[:, 0], [1, np.nan, np.nan, 0])
+        assert singular_values(np.empty((0, 3, 3))).shape == (0, 3)
+
+    def test_squared_are_those_of_the_gram_matrix(self):
+        matrices = np.random.default_rng(19).standard_normal((300, 3, 3))
+        gram = np.swapaxes(matrices, 1, 2) @ matrices
+        expected = symmetric_eigenvalues(gram)
+        assert (np.abs(gram_eigenvalues(matrices) - expected) <= 32 * EPS * expected[:, -1:]).all()
+
+    def test_do_not_depend_on_how_the_matrices_lie(self):
+        matrices = np.random.default_rng(20).standard_normal((130, 3, 3))
+        for view in (matrices[::-1], np.swapaxes(matrices, 1, 2), np.moveaxis(matrices.T.copy(), 2, 0)):
+            np.testing.assert_array_equal(singular_values(view), singular_values(view.copy()))
+            np.testing.assert_array_equal(symmetric_eigenvalues(view), symmetric_eigenvalues(view.copy()))
+
+
 def zeros(*shape, dtype="u1"):
     return np.zeros(shape, dtype=dtype)
 
@@ -280,6 +323,7 @@ class TestArguments:
             (zeros(2, 3, 3, dtype="f8"), zeros(3, 3, dtype="f8"), ValueError, "out has another shape"),
             (zeros(2, 3, 3, dtype="f8"), zeros(2, 2, dtype="f8"), ValueError, "out has another shape"),
             (MATRICES, MATRICES[1, :2], ValueError, "out overlaps matrices"),
+            (MATRICES[::-1], MATRICES[0, :2], ValueError, "out overlaps matrices"),
         ],
     )
     def test_wrong_ones_of_the_eigenvalues_are_named(self, matrices, out, exception, message):

@@ -145,3 +145,29 @@ def test_pairs_margin_leaves_out_nothing_that_equal_legs_can_reach():
     volume, pairs = margins_at(orthogonal_machine(1.0), poses)
     known = np.isfinite(volume)
     assert (pairs[known & (volume > 0)] > 0).all()
+
+
+def as_one_for_each(machine: PrismaticLegs, count: int) -> PrismaticLegs:
+    """The same machine as one of many, which no kernel serves."""
+    alike = {
+        name: np.repeat(getattr(machine, name), count, axis=-1) for name in ("bases", "joints", "lengths")
+    }
+    return machine._replace(**alike)
+
+
+@settings(max_examples=50, deadline=None)
+@given(seeds)
+def test_kernels_close_legs_and_tell_margins_as_the_formulas_do(seed):
+    random = np.random.default_rng(seed)
+    machine, poses = random_machine(random), random.uniform(-2, 2, (300, 3))
+    many = as_one_for_each(machine, len(poses))
+    fast, plain = prismatic.close(machine, poses), prismatic.close(many, poses)
+    for one, other in zip(fast, plain, strict=True):
+        # Where a loop is about to open, the root makes of rounding its square root.
+        known = np.isfinite(one) & np.isfinite(other)
+        assert (known == np.isfinite(other)).mean() > 0.99
+        np.testing.assert_allclose(one[known], other[known], rtol=1e-6, atol=1e-12)
+    margins, expected = prismatic.margins(machine, plain), prismatic.margins(many, plain)
+    assert margins.keys() == expected.keys()
+    for name, margin in margins.items():
+        np.testing.assert_allclose(margin, expected[name], rtol=1e-12, atol=1e-13, err_msg=name)

@@ -18,9 +18,20 @@ from orthospec.kernels import _kernels
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from orthospec.arrays import Array, Flags, Matrices
+    from orthospec.arrays import Array, Flags, Matrices, Poses
 
-__all__ = ["chain_compliance", "cube_sizes", "symmetric_eigenvalues"]
+__all__ = [
+    "chain_compliance",
+    "close_legs",
+    "cube_sizes",
+    "gram_eigenvalues",
+    "leg_margins",
+    "singular_values",
+    "symmetric_eigenvalues",
+]
+
+ILL_CONDITIONED = 1e-6
+"""Below this ratio of the eigenvalues of AᵀA the slower SVD is asked, which does not square κ."""
 
 
 def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.uint8] | NDArray[np.uint16]:
@@ -43,14 +54,72 @@ def symmetric_eigenvalues(matrices: Matrices) -> Array:
     """
     if not isinstance(matrices, np.ndarray):  # Intervals, which take part in NumPy's functions.
         return np.linalg.eigvalsh(matrices)
-    matrices = np.ascontiguousarray(matrices, dtype=np.float64)
-    if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
-        raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, m, m)")
+    matrices = _square(matrices)
     if matrices.shape[1] != 3:
         return _eigenvalues_of_any_size(matrices)
     eigenvalues = np.empty(matrices.shape[:2])
     _kernels.symmetric_eigenvalues_3(matrices, eigenvalues)
     return eigenvalues
+
+
+def gram_eigenvalues(matrices: Matrices) -> Array:
+    """Eigenvalues (n, m), ascending, of AᵀA for matrices A (n, m, m): the squares of the singular values.
+
+    To rounding of the greatest. A matrix that is not finite has NaN.
+    """
+    matrices = _square(matrices)
+    if matrices.shape[1] != 3:
+        with np.errstate(invalid="ignore", over="ignore"):
+            return _eigenvalues_of_any_size(np.swapaxes(matrices, 1, 2) @ matrices)
+    eigenvalues = np.empty(matrices.shape[:2])
+    _kernels.gram_eigenvalues_3(matrices, eigenvalues)
+    return eigenvalues
+
+
+def singular_values(matrices: Matrices) -> Array:
+    """Singular values (n, m), ascending, of matrices (n, m, m); NaN where one is not finite.
+
+    To some 1e-10 of each; where they are over a thousand apart by LAPACK, to rounding of the greatest.
+    """
+    squares = gram_eigenvalues(matrices)
+    with np.errstate(invalid="ignore"):
+        poor = ~(squares[:, 0] >= ILL_CONDITIONED * squares[:, -1])
+        values = np.sqrt(squares)
+    if poor.any():
+        poor &= np.isfinite(matrices).all(axis=(1, 2))
+        values[poor] = np.linalg.svd(matrices[poor], compute_uv=False)[:, ::-1]
+    return values
+
+
+def close_legs(geometry: Array, poses: Poses) -> tuple[Array, Array, Array, Array]:
+    """ρ (n, 3), s (3, 3, n), s·e (3, n) and its square (3, n) of three legs on slides.
+
+    ``geometry`` (3, 8) has the axis e, the offset c − b, the length and the branch of each leg:
+    `orthospec.mechanics.prismatic.close` tells what they are.
+    """
+    n = len(poses)
+    rho, s, along, closing = np.empty((n, 3)), np.empty((3, 3, n)), np.empty((3, n)), np.empty((3, n))
+    _kernels.close_legs(geometry, np.ascontiguousarray(poses, dtype=np.float64), rho, s, along, closing)
+    return rho, s, along, closing
+
+
+def leg_margins(scales: Array, s: Array, closing: Array) -> Array:
+    """The margins (5, n) of three legs, of the volume that they span and of their pairs.
+
+    ``scales`` (3, 7) has for each leg its length squared, its branch over its length, a row of the inverse of
+    the home directions transposed, the sign of their determinant, and the least (s·e / L)².
+    """
+    margins = np.empty((5, closing.shape[1]))
+    _kernels.leg_margins(scales, s, closing, margins)
+    return margins
+
+
+def _square(matrices: Matrices) -> Matrices:
+    """As float64, in whatever order they lie."""
+    matrices = np.asarray(matrices, dtype=np.float64)
+    if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
+        raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, m, m)")
+    return matrices
 
 
 def _eigenvalues_of_any_size(matrices: Matrices) -> Array:

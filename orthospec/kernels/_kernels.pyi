@@ -3,6 +3,25 @@ from numpy.typing import NDArray
 
 def cube_sizes(mask: NDArray[np.uint8 | np.bool_], out: NDArray[np.uint8 | np.uint16], /) -> None: ...
 def symmetric_eigenvalues_3(matrices: NDArray[np.float64], out: NDArray[np.float64], /) -> None: ...
+def gram_eigenvalues_3(matrices: NDArray[np.float64], out: NDArray[np.float64], /) -> None: ...
+def close_legs(
+    geometry: NDArray[np.float64],
+    poses: NDArray[np.float64],
+    rho: NDArray[np.float64],
+    s: NDArray[np.float64],
+    along: NDArray[np.float64],
+    closing: NDArray[np.float64],
+    /,
+) -> None: ...
+def leg_margins(
+    scales: NDArray[np.float64],
+    s: NDArray[np.float64],
+    closing: NDArray[np.float64],
+    margins: NDArray[np.float64],
+    /,
+) -> None: ...
+def instruction_sets() -> list[str]: ...
+def use(name: str, /) -> None: ...
 def chain_compliance(
     compliances: NDArray[np.float64],
     wrenches: NDArray[np.float64],

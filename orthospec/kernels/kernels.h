@@ -1,17 +1,29 @@
-/* The kernels in plain C, without Python: contiguous arrays in, contiguous arrays out. */
+/* The kernels in plain C, without Python: contiguous arrays in, contiguous arrays out, where nothing else is said.
+ *
+ * Each stands once, in a file *.inc, and is compiled for several instruction sets (variant.h). All give the same
+ * bits: no contraction to fused operations, and sums in one order.
+ */
 #ifndef ORTHOSPEC_KERNELS_H
 #define ORTHOSPEC_KERNELS_H
 
+#include <float.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
-/* Edge, in nodes, of the largest cube of nonzero nodes that ends at each node.
- * The smallest of `shape` must be in the range of the cells of `sizes`. */
-void cube_sizes_u8(const uint8_t *mask, uint8_t *sizes, const size_t shape[3]);
-void cube_sizes_u16(const uint8_t *mask, uint16_t *sizes, const size_t shape[3]);
+#if defined(_MSC_VER)
+#define RESTRICT __restrict
+#else
+#define RESTRICT restrict
+#endif
 
-/* Eigenvalues, ascending, of `count` symmetric 3 x 3 matrices, of which the lower triangles are read. */
-void symmetric_eigenvalues_3(const double *matrices, double *eigenvalues, size_t count);
+/* `count` 3 x 3 matrices; the entry (i, j) of node n stands at data + n * node + i * row + j * column, in doubles. */
+typedef struct {
+    const double *data;
+    ptrdiff_t node, row, column;
+    size_t count;
+} Matrices;
 
 /* `count` nodes, each of `chains` chains that transmit `size` <= 6 wrenches. */
 typedef struct {
@@ -20,7 +32,51 @@ typedef struct {
     size_t count, chains, size;
 } Chains;
 
-/* Compliance of each node's platform (count x 6 x 6); a node that is not safe to compute so is NaN. */
-void chain_compliance(const Chains *chains, double *out, uint8_t *safe);
+/* Three legs on slides, and `count` poses (count x 3). */
+typedef struct {
+    const double *geometry; /* 3 x 8: a slide's unit axis, the way from its base point to the leg's end with the tool at
+                             * the origin, the leg's length, and its branch, 1 or -1 */
+    const double *poses;
+    size_t count;
+} Slides;
+
+/* Where the legs over `count` poses go; the poses are the last axis but for rho. */
+typedef struct {
+    double *rho;     /* count x 3 */
+    double *s;       /* 3 x 3 x count */
+    double *along;   /* 3 x count */
+    double *closing; /* 3 x count */
+} ClosedLegs;
+
+/* What the margins of three legs are told by. */
+typedef struct {
+    const double *scales;  /* 3 x 7: a leg's length squared, its branch over its length, a row of the home directions'
+                            * inverse transposed, the sign of their determinant, and the least (s.e / L)^2 */
+    const double *s;       /* 3 x 3 x count */
+    const double *closing; /* 3 x count */
+    size_t count;
+} LegRoom;
+
+/* One instruction set's kernels. */
+typedef struct {
+    const char *name;
+    /* Edge, in nodes, of the largest cube of nonzero nodes that ends at each node.
+     * The smallest of `shape` must be in the range of the cells of `sizes`. */
+    void (*cube_sizes_u8)(const uint8_t *mask, uint8_t *sizes, const size_t shape[3]);
+    void (*cube_sizes_u16)(const uint8_t *mask, uint16_t *sizes, const size_t shape[3]);
+    /* Eigenvalues, ascending, of symmetric matrices, of which the lower triangles are read. */
+    void (*symmetric_eigenvalues_3)(const Matrices *matrices, double *eigenvalues);
+    /* Those of A^T A. */
+    void (*gram_eigenvalues_3)(const Matrices *matrices, double *eigenvalues);
+    /* Compliance of each node's platform (count x 6 x 6); a node that is not safe to compute so is NaN. */
+    void (*chain_compliance)(const Chains *chains, double *out, uint8_t *safe);
+    /* The loops of the legs closed. */
+    void (*close_legs)(const Slides *slides, const ClosedLegs *legs);
+    /* The margins of the three legs, of the volume and of the pairs (5 x count). */
+    void (*leg_margins)(const LegRoom *room, double *margins);
+} Kernels;
+
+/* Those that this processor can run, the best first; ends with NULL. */
+const Kernels *const *kernels_at_hand(void);
 
 #endif

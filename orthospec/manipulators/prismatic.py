@@ -127,10 +127,7 @@ class PrismaticManipulator(Manipulator):
     def reach(self, poses: Poses) -> Mapping[str, Array]:
         """Margins: each leg closes its loop, no parallel singularity is passed, the joint limits hold."""
         machine, legs = self.geometry, self.closed_legs(poses)
-        margins = {f"leg_{i + 1}": row for i, row in enumerate(prismatic.leg_margins(machine, legs))}
-        units = prismatic.unit_legs(machine, legs)
-        margins["singularity"] = prismatic.volume_margin(units, machine.home)
-        margins["assembly"] = prismatic.pairs_margin(units, machine.home)
+        margins = prismatic.margins(machine, legs)
         for side, sign in (("min", -1.0), ("max", 1.0)):
             for i, limit in enumerate(getattr(self.joint_limits, side) or ()):
                 key = f"joint_limits.{i}.{'at_least' if side == 'min' else 'at_most'}"

@@ -23,23 +23,12 @@ if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
 
 
-ILL_CONDITIONED = 1e-6
-"""Below this ratio of the eigenvalues of J⁻ᵀJ⁻¹ the slower SVD is asked, which does not square κ."""
-
-
 def transmission_factors(inverse_jacobian: Matrices) -> Array:
     """Singular values of J, ascending (n, m), from J⁻¹; inf at a parallel singularity, NaN from NaN."""
     from orthospec import kernels
 
-    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-        gram = np.swapaxes(inverse_jacobian, 1, 2) @ inverse_jacobian
-        squares = kernels.symmetric_eigenvalues(gram)
-        sigma = np.asarray(1.0 / np.sqrt(squares[:, ::-1]))
-        poor = (squares[:, 0] < ILL_CONDITIONED * squares[:, -1]) & np.isfinite(inverse_jacobian).all(
-            axis=(1, 2)
-        )
-        sigma[poor] = 1.0 / np.linalg.svd(inverse_jacobian[poor], compute_uv=False)
-    return sigma
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / kernels.singular_values(inverse_jacobian)[:, ::-1])
 
 
 def logarithmic_stretch(inverse_jacobian: Matrices) -> Matrices:
@@ -73,7 +62,11 @@ class VelocityTransmission(Measure):
 
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """σ_min(J) and σ_max(J), (n, 2)."""
-        return transmission_factors(manipulator.inverse_jacobian(poses))[:, [0, -1]]
+        from orthospec import kernels
+
+        ends = kernels.singular_values(manipulator.inverse_jacobian(poses))[:, [-1, 0]]
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / ends)
 
     def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
         """Of 1/sqrt(λ(J⁻ᵀJ⁻¹))."""

@@ -72,6 +72,10 @@ class Legs(NamedTuple):
 
 def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     """Close the loops of all legs at each pose."""
+    if isinstance(poses, np.ndarray) and (geometry := _one_machine(machine)) is not None:
+        from orthospec import kernels
+
+        return Legs(*kernels.close_legs(geometry, poses))
     offsets = machine.joints - machine.bases
     p = poses.T.copy()
     axes = machine.axes[:, :, None]
@@ -85,10 +89,46 @@ def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     return Legs(rho.T, s, along, closing)
 
 
+def _one_machine(machine: PrismaticLegs) -> Array | None:
+    """Axis, offset, length and branch of each leg (3, 8); None where each pose has a machine of its own."""
+    numbers = (machine.joints, machine.bases, machine.lengths)
+    if not all(isinstance(one, np.ndarray) and one.shape[-1] == 1 for one in numbers):
+        return None
+    offsets = (machine.joints - machine.bases)[:, :, 0]
+    return np.hstack([machine.axes, offsets, machine.lengths, machine.branches[:, None]])
+
+
 def inverse_jacobian(legs: Legs) -> Matrices:
     """J⁻¹ (n, 3, 3): row i is s_iᵀ / (s_i·e_i); infinite or NaN at a serial singularity."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.moveaxis(legs.s / legs.along[:, None, :], 2, 0).copy()
+        return np.moveaxis(legs.s / legs.along[:, None, :], 2, 0)
+
+
+def margins(machine: PrismaticLegs, legs: Legs) -> dict[str, Array]:
+    """How far the legs are from the singularities (n,) each: >= 0 inside, smooth in the pose.
+
+    ``leg_1`` ... as `leg_margins` tells them, ``singularity`` by the `volume_margin`, ``assembly`` by the
+    `pairs_margin`.
+    """
+    if _one_machine(machine) is not None and isinstance(legs.s, np.ndarray):
+        from orthospec import kernels
+
+        rows = kernels.leg_margins(_scales(machine), legs.s, legs.closing)
+        return dict(zip(("leg_1", "leg_2", "leg_3", "singularity", "assembly"), rows, strict=True))
+    units = unit_legs(machine, legs)
+    return {
+        **{f"leg_{i + 1}": row for i, row in enumerate(leg_margins(machine, legs))},
+        "singularity": volume_margin(units, machine.home),
+        "assembly": pairs_margin(units, machine.home),
+    }
+
+
+def _scales(machine: PrismaticLegs) -> Array:
+    """What the kernel of the margins is told of each leg (3, 7)."""
+    lengths = machine.lengths[:, 0]
+    across = np.linalg.inv(machine.home).T
+    alike = np.broadcast_to([np.sign(np.linalg.det(machine.home)), CLEARANCE**2], (3, 2))
+    return np.hstack([np.stack([lengths**2, machine.branches / lengths], axis=1), across, alike])
 
 
 def leg_margins(machine: PrismaticLegs, legs: Legs) -> Array:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Poses
 
-BLOCK = 1 << 15
+BLOCK = 1 << 14
 """Poses to a block: bounded memory whatever the grid."""
 
 Progress = Callable[[str, int, int], None]
@@ -107,7 +107,7 @@ def measured_blocks(
         reachable = np.asarray(manipulator.inverse_kinematics(poses)[1])
         if progress is not None:
             progress("grid", first + len(poses), grid.nodes)
-        inside = poses[reachable]
+        inside = poses if reachable.all() else poses[reachable]
         inside.flags.writeable = False
         values = {d.name: measured(d, manipulator, inside) if len(inside) else np.empty(0) for d in demands}
         yield Block(first, reachable, values)

@@ -42,10 +42,16 @@ class Grid:
 
     def poses(self, start: int, stop: int) -> Poses:
         """Poses of the nodes start ... stop − 1 in C order, read-only."""
-        indices = np.unravel_index(np.arange(start, min(stop, self.nodes)), self.shape)
-        poses = np.zeros((len(indices[0]), self.coordinates))
-        for k, index in enumerate(indices):
-            poses[:, k] = (index + self.first[k]) * self.step[k]
+        stop = min(stop, self.nodes)
+        poses = np.zeros((stop - start, self.coordinates))
+        row = self.shape[-1]
+        first, last = start // row, -(-stop // row)
+        # A row's coordinates are the axis itself, and all others stand still along it.
+        places = np.unravel_index(np.arange(first, last), self.shape[:-1])
+        skipped = start - first * row
+        for k, place in enumerate(places):
+            poses[:, k] = np.repeat(self.axis(k)[place], row)[skipped : skipped + len(poses)]
+        poses[:, len(places)] = np.tile(self.axis(len(places)), last - first)[skipped : skipped + len(poses)]
         poses.flags.writeable = False
         return poses
 

@@ -1,0 +1,16 @@
+/* All kernels, compiled for the instruction set of the file that includes this and defines VARIANT and NAME. */
+#include "cube_sizes.inc"
+#include "chains.inc"
+#include "eigenvalues.inc"
+#include "legs.inc"
+
+const Kernels VARIANT = {
+    .name = NAME,
+    .cube_sizes_u8 = cube_sizes_u8,
+    .cube_sizes_u16 = cube_sizes_u16,
+    .symmetric_eigenvalues_3 = symmetric_eigenvalues_3,
+    .gram_eigenvalues_3 = gram_eigenvalues_3,
+    .chain_compliance = chain_compliance,
+    .close_legs = close_legs,
+    .leg_margins = leg_margins,
+};

@@ -1,0 +1,83 @@
+"""The kernels give the same bits for every instruction set that this processor has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+import pytest
+
+from orthospec.kernels import (
+    _kernels,
+    chain_compliance,
+    close_legs,
+    cube_sizes,
+    gram_eigenvalues,
+    leg_margins,
+    symmetric_eigenvalues,
+)
+
+ALL = _kernels.instruction_sets()
+RANDOM = np.random.default_rng(1)
+SPECIAL = np.array([0.0, -0.0, 1.0, 1e-320, 1e-200, 1e200, 1e308, np.inf, -np.inf, np.nan])
+MATRICES = np.concatenate(
+    [
+        RANDOM.standard_normal((500, 3, 3)),
+        RANDOM.choice(SPECIAL, (500, 3, 3)),
+        np.eye(3) + 1e-9 * RANDOM.standard_normal((100, 3, 3)),
+    ]
+)
+POSES = RANDOM.uniform(-1.5, 1.5, (1001, 3))
+GEOMETRY = np.hstack([np.eye(3), RANDOM.uniform(-0.1, 0.1, (3, 3)), [[1.0, 1], [1.2, -1], [0.9, 1]]])
+SCALES = RANDOM.uniform(0.5, 1.0, (3, 7))
+
+
+def compliances() -> tuple[np.ndarray, np.ndarray]:
+    random = np.random.default_rng(2)
+    halves = random.standard_normal((77, 3, 2, 2))
+    return halves @ np.swapaxes(halves, 2, 3), random.standard_normal((77, 3, 2, 6))
+
+
+KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
+    "cube_sizes": lambda: [
+        cube_sizes(np.random.default_rng(3).random(shape) < 0.97) for shape in ((40, 50, 61), (256, 257, 258))
+    ],
+    "symmetric_eigenvalues": lambda: [symmetric_eigenvalues(MATRICES), symmetric_eigenvalues(MATRICES[::-3])],
+    "gram_eigenvalues": lambda: [gram_eigenvalues(MATRICES), gram_eigenvalues(np.swapaxes(MATRICES, 1, 2))],
+    "chain_compliance": lambda: chain_compliance(*compliances()),
+    "close_legs": lambda: close_legs(GEOMETRY, POSES),
+    "leg_margins": lambda: [leg_margins(SCALES, *close_legs(GEOMETRY, POSES)[1::2])],
+}
+
+
+def bits(array: np.ndarray) -> np.ndarray:
+    """Those of the numbers; NaN has a sign and a load that mean nothing."""
+    numbers = np.where(np.isnan(array), np.nan, array) if array.dtype == np.float64 else array
+    return np.ascontiguousarray(numbers).view(f"u{numbers.itemsize}")
+
+
+@pytest.fixture
+def restored() -> Iterator[None]:
+    yield
+    _kernels.use(ALL[0])
+
+
+@pytest.mark.usefixtures("restored")
+@pytest.mark.parametrize("name", KERNELS)
+def test_bits_are_those_of_the_base(name: str) -> None:
+    _kernels.use("base")
+    expected = [bits(one) for one in KERNELS[name]()]
+    for choice in ALL:
+        _kernels.use(choice)
+        for found, wanted in zip(KERNELS[name](), expected, strict=True):
+            np.testing.assert_array_equal(bits(found), wanted, err_msg=choice)
+
+
+def test_base_is_always_at_hand_and_the_last_choice() -> None:
+    assert ALL[-1] == "base"
+    assert len(set(ALL)) == len(ALL)
+
+
+def test_one_that_is_not_at_hand_is_refused() -> None:
+    with pytest.raises(ValueError, match="sse9: this processor or build has no such kernels"):
+        _kernels.use("sse9")
