@@ -14,7 +14,10 @@ binary = Path(_kernels.__file__).resolve()
 assert binary.is_relative_to(tree), f"{binary} is not of {tree}"
 assert b"__asan_report" in binary.read_bytes(), f"{binary} is not sanitised"
 print(f"testing {binary}", flush=True)
-tests = [str(tree / "tests" / name) for name in ("test_kernels.py", "test_chain_kernel.py", "test_instruction_sets.py")]
+tests = [
+    str(tree / "tests" / name)
+    for name in ("test_kernels.py", "test_chain_kernel.py", "test_instruction_sets.py")
+]
 options = [
     f"--rootdir={tree}",
     "-p",

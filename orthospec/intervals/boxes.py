@@ -58,6 +58,10 @@ class Boxes:
         """Some of the boxes."""
         return Boxes(self.lo[chosen], self.hi[chosen])
 
+    def joined(self, others: Boxes) -> Boxes:
+        """These boxes and then the others."""
+        return Boxes(np.concatenate([self.lo, others.lo]), np.concatenate([self.hi, others.hi]))
+
     def halves(self, along: NDArray[np.intp]) -> Boxes:
         """Each box cut in two across the coordinate that ``along`` (n,) names for it, (2n, d)."""
         rows, centres = np.arange(len(self)), self.centres

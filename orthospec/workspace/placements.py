@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Flags
 
-BATCH = 1024
+BATCH = 4096
 """Boxes of centres at a time."""
 TRIED = 4
 """Places of the cuboid that are tried in each box."""
@@ -51,20 +51,25 @@ def none_fits(
     """
     search = _Search(machine, size, largest)
     whole = _centres(size, region)
-    spent, waiting = 0, [whole] if len(whole) else []
-    while waiting:
-        boxes = waiting.pop()
+    spent, waiting = 0, whole
+    while len(waiting):
+        # The last are the smallest: where a cuboid does fit, the search comes to its end there first.
+        waiting, boxes = waiting[:-BATCH], waiting[-BATCH:]
         spent += len(boxes)
         if spent > most:
             return False, spent
-        left, along = search.not_excluded(boxes)
-        rest = boxes[left]
+        rest = boxes[search.not_excluded(boxes)]
         if len(rest) and ((rest.hi - rest.lo) <= FINEST * size).all(axis=1).any():
             return False, spent
-        if len(rest):
-            halves = rest.halves(along)
-            waiting += [halves[start : start + BATCH] for start in range(0, len(halves), BATCH)]
+        waiting = waiting.joined(_cut(rest, size))
     return True, spent
+
+
+def _cut(boxes: Boxes, size: Array) -> Boxes:
+    """Each box in two, across its longest edge beside the cuboid's; or, where there are few, in two thrice."""
+    for _ in range(len(size) if len(boxes) * 2 ** len(size) <= BATCH else 1):
+        boxes = boxes.halves(((boxes.hi - boxes.lo) / size).argmax(axis=1))
+    return boxes
 
 
 def _centres(size: Array, region: Cuboid | None) -> Boxes:
@@ -104,8 +109,8 @@ class _Search:
         apart = np.abs(found[:, None] - self._places).max(axis=2).min(axis=1) > APART
         return np.asarray(found[apart][:MOST_CRITICAL])
 
-    def not_excluded(self, boxes: Boxes) -> tuple[Flags, NDArray[np.intp]]:
-        """Which boxes are left, and across which coordinate to cut each of them."""
+    def not_excluded(self, boxes: Boxes) -> Flags:
+        """Which boxes are left."""
         edges = (boxes.hi - boxes.lo) / self._size
         left = np.ones(len(boxes), dtype=bool)
         for place, condition, sure in self._most_sure(boxes.centres):
@@ -114,7 +119,7 @@ class _Search:
                 these = mine[self._case_of[condition[mine]] == case]
                 at = self._size * self._places[place[these]]
                 left[these] = ~self._never_holds(int(case), boxes[these], at)
-        return left, np.asarray(edges[left].argmax(axis=1))
+        return left
 
     def _most_sure(self, centres: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], Array]]:
         """Places where something does not hold, most surely first: place, condition, how sure (n,) each.
