@@ -66,7 +66,7 @@ def none_fits(
 
 
 def _cut(boxes: Boxes, size: Array) -> Boxes:
-    """Each box in two, across its longest edge beside the cuboid's; or, where there are few, in two thrice."""
+    """Each box in two, across its longest edge beside the cuboid's; few boxes in each direction."""
     for _ in range(len(size) if len(boxes) * 2 ** len(size) <= BATCH else 1):
         boxes = boxes.halves(((boxes.hi - boxes.lo) / size).argmax(axis=1))
     return boxes

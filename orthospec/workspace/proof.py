@@ -5,7 +5,7 @@ Each box gets verified bounds on how far every condition may be exceeded in it (
 edge, of several the one along which the value changes most. A condition is
 
     proved      in all boxes it is exceeded by no more than the slack
-    refuted     at a pose that was found it is exceeded by more, in plain arithmetic
+    refuted     at a pose that was found, the worst nearby, it is exceeded by more, in plain arithmetic
     undecided   the budget was spent before either, or the measure has no enclosure
 
 With tolerances it is asked of all machines within them (`tolerances`), whose numbers are coordinates too.
@@ -51,6 +51,8 @@ FEW = 8
 """So few boxes are cut across several coordinates at once."""
 FINEST = 2.0**-40
 """Boxes are cut down to this part of the cuboid's edge."""
+CLIMB = 40
+"""Halvings of the step by which the worst pose near one that refutes is looked for."""
 
 Verdict = Literal["proved", "refuted", "undecided"]
 
@@ -114,6 +116,8 @@ class _Search:
         axes = len(family.nominal.axes)
         self._edges[axes:] = edges[:axes].max()
         self._boxes = 0
+        self._worst: dict[int, Array] = {}
+        """Where each claim is refuted (d,)."""
         self._claims = [Claim(c, "undecided", 0, np.inf) for c in case.conditions]
 
     def run(self) -> list[Claim]:
@@ -135,6 +139,7 @@ class _Search:
                     parts, excess = self._cut(rest, excess, self._changes(rest, excess, is_open[:, left]))
                     stuck = bool((parts.hi - parts.lo <= 2 * self._finest).all(axis=1).any())
                     waiting += _batches(parts, excess)
+            self._climb()
         except Exception as error:
             return [replace(claim, boxes=self._boxes, why=_reason(error)) for claim in self._claims]
         return self._settled(proved, waiting)
@@ -184,8 +189,17 @@ class _Search:
             if refuted and (claim.verdict != "refuted" or found > claim.excess):
                 _, (pose,) = self._family.at(points[i : i + 1])
                 at, numbers = tuple(map(float, pose)), self._family.named(points[i]) or None
+                self._worst[k] = points[i]
                 self._claims[k] = replace(claim, verdict="refuted", excess=found, at=at, machine=numbers)
         return excess
+
+    def _climb(self) -> None:
+        """From each point that refutes to the worst one nearby: it tells more, and a search may mind it."""
+        d = self._start.lo.shape[1]
+        star = np.concatenate([np.eye(d), -np.eye(d)]) * (self._start.hi - self._start.lo) / 2
+        for k in list(self._worst):
+            for halvings in np.repeat(np.arange(CLIMB), d):
+                self._judged(self._worst[k] + star * 0.5**halvings)
 
     def _settled(self, proved: Array, waiting: Sequence[tuple[Boxes, Array]]) -> list[Claim]:
         left = np.concatenate([excess for _, excess in waiting], axis=1) if waiting else None
