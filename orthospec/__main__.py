@@ -1,4 +1,4 @@
-"""``python -m orthospec``."""
+"""``python -m orthospec``: the same as the installed command."""
 
 from orthospec.cli import main
 

@@ -297,6 +297,39 @@ def show(result: ResultPath, as_json: Json = False) -> int:
 
 
 @_command
+def report(
+    result: ResultPath,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", metavar="FILE", help="Where to write; report.html in the result's folder."
+        ),
+    ] = None,
+    figures: Annotated[
+        Path | None,
+        typer.Option(
+            "--figures",
+            metavar="DIR",
+            help="Write figures as SVG, PDF, PNG and CSV, and tables for LaTeX, too.",
+        ),
+    ] = None,
+) -> int:
+    """Write the report of a result anew, and its figures for papers."""
+    from orthospec.report import report as page
+    from orthospec.report import write_figures
+    from orthospec.result import REPORT, write_page
+    from orthospec.solution import read_solution
+
+    solution = read_solution(result)
+    file = out or (result if result.is_dir() else result.parent) / REPORT
+    write_page(file, page(solution))
+    _print(f"Written to {file}")
+    if figures is not None:
+        _print(f"{len(write_figures(solution, figures))} files in {figures}")
+    return DONE
+
+
+@_command
 def diff(
     both: Annotated[
         list[str],
@@ -391,7 +424,7 @@ def _hand_over(
 
     content = compose(spec, outcome.finding)
     if folder is not None:
-        write_result(folder, spec, content, outcome.log, kept)
+        write_result(folder, spec, content, outcome.log, kept, _pages(spec, content, outcome.log))
     if as_json:
         _print_json(content)
     else:
@@ -399,6 +432,22 @@ def _hand_over(
     if folder is not None:
         _tell_folder(folder, as_json)
     return _code_of(outcome)
+
+
+def _pages(spec: Spec, content: dict[str, Any], log: dict[str, Any]) -> dict[str, str]:
+    """The pages of a result folder; one that cannot be made is left out, and costs nothing else."""
+    from orthospec.report import report
+    from orthospec.result import REPORT
+    from orthospec.solution import Solution
+
+    solution = Solution(content, spec, log)
+    pages = {}
+    for name, make in {REPORT: report}.items():
+        try:
+            pages[name] = make(solution)
+        except Exception as error:
+            say(f"note: {name} is left out: {type(error).__name__}: {error}")
+    return pages
 
 
 def _tell_what_if(

@@ -47,6 +47,12 @@ def spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
+@pytest.fixture(autouse=True)
+def quick_pages(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages have tests of their own, and take a second each."""
+    monkeypatch.setattr("orthospec.report.report", lambda solution: f"<h1>{solution.result.status}</h1>\n")
+
+
 def _orthospec(*arguments: str, code: int = 0, text: str | None = None) -> Any:
     result = runner.invoke(orthospec.cli.app, list(arguments), input=text)
     assert result.exit_code == code, result.stdout + result.stderr
@@ -141,6 +147,32 @@ def test_run_without_variables_evaluates_and_writes(spec: Path) -> None:
     assert read_result(Path("runs/small"))["status"] == "evaluated"
 
 
+def test_a_page_that_cannot_be_made_is_left_out_and_costs_nothing_else(
+    spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(_: Any) -> str:
+        raise ZeroDivisionError("no figure")
+
+    monkeypatch.setattr("orthospec.report.report", broken)
+    told = _orthospec("evaluate", spec.name, "-o", "out")
+    assert "note: report.html is left out: ZeroDivisionError: no figure" in told.stderr
+    assert sorted(path.name for path in Path("out").iterdir()) == ["result.yaml", "run.log.json", "spec.yaml"]
+
+
+def test_report_is_written_anew_where_it_is_wanted(spec: Path) -> None:
+    _orthospec("evaluate", spec.name, "-o", "out")
+    assert Path("out/report.html").read_text() == "<h1>evaluated</h1>\n"
+    Path("out/report.html").unlink()
+    assert _orthospec("report", "out").stdout == "Written to out/report.html\n"
+    _orthospec("report", "out/result.yaml", "-o", "elsewhere/page.html")
+    assert Path("elsewhere/page.html").read_text() == Path("out/report.html").read_text()
+    told = _orthospec("report", "out", "--figures", "figures").stdout
+    assert told.endswith(" files in figures\n")
+    assert (Path("figures") / "tables.tex").is_file()
+    assert "no such file or folder" in _orthospec("report", "missing", code=2).stderr
+    assert "cannot be written" in _orthospec("report", "out", "-o", f"{spec.name}/page.html", code=2).stderr
+
+
 def test_evaluate_prints_and_writes_only_on_request(spec: Path) -> None:
     result = _orthospec("evaluate", spec.name, "--at", "leg=320 mm")
     assert "  leg  320 mm  within 250 ... 500 mm" in result.stdout.splitlines()
@@ -214,7 +246,7 @@ def test_plugins_explain_and_schema_print() -> None:
 def test_version_and_help() -> None:
     assert _orthospec("--version").stdout.startswith("orthospec 0.")
     text = _orthospec("--help").stdout
-    commands = ["init", "run", "check", "plan", "evaluate", "show", "diff"]
+    commands = ["init", "run", "check", "plan", "evaluate", "show", "report", "diff"]
     commands += ["plugins", "explain", "schema"]
     listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
     assert listed == commands
@@ -364,7 +396,12 @@ def test_ctrl_c_while_fields_are_made_leaves_the_rest_of_the_result(
     monkeypatch.setattr("orthospec.optimise.fields_of", stopped)
     told = _orthospec("evaluate", str(spec), "-o", "stopped", "--fields", code=4)
     assert "fields.npz is left out" in told.stderr
-    assert {path.name for path in Path("stopped").iterdir()} == {"result.yaml", "spec.yaml", "run.log.json"}
+    assert {path.name for path in Path("stopped").iterdir()} == {
+        "report.html",
+        "result.yaml",
+        "run.log.json",
+        "spec.yaml",
+    }
 
 
 @pytest.mark.usefixtures("spec")

@@ -1,7 +1,16 @@
 """What a run found: frozen records, their plain content, and the folder that keeps it."""
 
 from orthospec.result.content import compose
-from orthospec.result.files import check_destination, read_result, spec_of, write_result
+from orthospec.result.files import (
+    PREVIEW,
+    REPORT,
+    check_destination,
+    log_of,
+    read_result,
+    spec_of,
+    write_page,
+    write_result,
+)
 from orthospec.result.model import Result
 from orthospec.result.records import (
     Attainment,
@@ -18,6 +27,8 @@ from orthospec.result.records import (
 )
 
 __all__ = [
+    "PREVIEW",
+    "REPORT",
     "Attainment",
     "Branch",
     "Card",
@@ -32,7 +43,9 @@ __all__ = [
     "Status",
     "check_destination",
     "compose",
+    "log_of",
     "read_result",
     "spec_of",
+    "write_page",
     "write_result",
 ]

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from orthospec.spec import Spec
 
 RESULT, SPEC, LOG, FIELDS = "result.yaml", "spec.yaml", "run.log.json", "fields.npz"
-_OURS = frozenset({RESULT, SPEC, LOG, FIELDS})
+REPORT, PREVIEW = "report.html", "preview.html"
+_OURS = frozenset({RESULT, SPEC, LOG, FIELDS, REPORT, PREVIEW})
 _FIRST_LINE = b"orthospec: 1\n"
 
 
@@ -44,9 +45,11 @@ def write_result(
     content: Mapping[str, Any],
     log: Mapping[str, Any],
     fields: Mapping[str, Array] | None = None,
+    pages: Mapping[str, str] | None = None,
 ) -> None:
     """Write a result folder; one that is there already is replaced, other files in it are kept.
 
+    ``pages`` are texts for people, by the names of their files.
     A fault or a signal on the way leaves the old folder as it was.
     """
     check_destination(folder)
@@ -57,9 +60,22 @@ def write_result(
             fresh = Path(scratch) / "new"
             fresh.mkdir()
             _fill(fresh, spec, content, log, fields)
+            for name, page in (pages or {}).items():
+                _write(fresh / name, page)
             _put_in_place(fresh, target, Path(scratch) / "old")
     except OSError as error:
         raise UsageError(f"{folder}: cannot be written: {(error.strerror or str(error)).lower()}") from error
+
+
+def write_page(file: Path, text: str) -> None:
+    """Write one page by a rename. Raises `UsageError` where that cannot be."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        fresh = file.with_name(f".{file.name}.new")
+        _write(fresh, text)
+        fresh.replace(file)
+    except OSError as error:
+        raise UsageError(f"{file}: cannot be written: {(error.strerror or str(error)).lower()}") from error
 
 
 def _fill(
@@ -135,6 +151,16 @@ def spec_of(path: Path) -> Spec | None:
         return load_spec((path if path.is_dir() else path.parent) / SPEC)
     except OrthospecError:
         return None
+
+
+def log_of(path: Path) -> dict[str, Any]:
+    """The log beside a result; empty where there is none that can be read."""
+    try:
+        text = ((path if path.is_dir() else path.parent) / LOG).read_text(encoding="utf-8")
+        content = json.loads(text)
+    except (OSError, ValueError):
+        return {}
+    return content if isinstance(content, dict) else {}
 
 
 def _text(path: Path, file: Path) -> str:

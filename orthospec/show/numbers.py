@@ -9,8 +9,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from orthospec.quantities.units import UnitError, parse_unit
+
+Scaled = TypeVar("Scaled")
 
 UNKNOWN = "?"
 NOTHING = "-"
@@ -30,7 +33,7 @@ class Numbers:
         """Numbers with one unit after them; equal ones as ``3 x 310.583 mm``."""
         if all(number is None for number in numbers):
             return NOTHING
-        shown = self._shown(unit, numbers)
+        shown = self.shown(unit, numbers)
         if shown and len(numbers) > 1 and len({_digits(number, shown) for number in numbers}) == 1:
             return f"{len(numbers)} x {self.value(numbers[0], unit)}"
         return self._listed(numbers, unit)
@@ -41,12 +44,12 @@ class Numbers:
         return "  ".join(self._listed([number for number, _ in group], unit) for unit, group in groups)
 
     def _listed(self, numbers: Sequence[float | None], unit: str) -> str:
-        shown = self._shown(unit, numbers)
+        shown = self.shown(unit, numbers)
         return "  ".join(_digits(number, shown) for number in numbers) + _after(shown)
 
     def interval(self, low: float | None, high: float | None, unit: str = "1") -> str:
         """``126.795 ... 383.788 mm``."""
-        shown = self._shown(unit, [low, high])
+        shown = self.shown(unit, [low, high])
         return f"{_digits(low, shown)} ... {_digits(high, shown)}{_after(shown)}"
 
     def edges(self, low: Sequence[float | None], high: Sequence[float | None], units: Sequence[str]) -> str:
@@ -63,9 +66,9 @@ class Numbers:
     def _coordinate(self, coordinate: float | None, unit: str) -> str:
         if coordinate is None:
             return NOTHING
-        shown = self._shown(unit, [coordinate])
+        shown = self.shown(unit, [coordinate])
         decimals = 3 if shown == "mm" else 5
-        return f"{round(_scaled(coordinate, shown), decimals) + 0.0:.{decimals}f}{_after(shown)}"
+        return f"{round(in_unit(coordinate, shown), decimals) + 0.0:.{decimals}f}{_after(shown)}"
 
     def _with_units(self, texts: Sequence[str], between: str, brackets: str = "") -> str:
         """One unit behind all where they share it."""
@@ -74,8 +77,8 @@ class Numbers:
         inner = between.join(text.removesuffix(f" {unit}") if unit else text for text in texts)
         return f"{brackets[:1]}{inner}{brackets[1:]}{_after(unit)}"
 
-    def _shown(self, unit: str, numbers: Sequence[float | None]) -> str:
-        """The unit in which numbers of this one are told."""
+    def shown(self, unit: str, numbers: Sequence[float | None]) -> str:
+        """The unit in which numbers of this one are told; nothing where it is 1 or not known."""
         if unit == "m":
             return "mm" if self.millimetres else "m"
         if unit == "Pa":
@@ -84,17 +87,19 @@ class Numbers:
         return {"1": "", UNKNOWN: "", "N/m": "N/um"}.get(unit, unit)
 
 
-def _scaled(number: float, shown: str) -> float:
-    """An SI number in this unit; as it is where a plugin gave a unit that is not in the table."""
+def in_unit(number: Scaled, shown: str) -> Scaled:
+    """An SI number, or an array of them, in this unit; as it is where a plugin's unit is not in the table."""
     try:
         unit = parse_unit(shown or "1")
     except UnitError:
         return number
-    return number * float(unit.denominator / unit.numerator)
+    factor: Any = float(unit.denominator / unit.numerator)
+    scaled: Scaled = number * factor
+    return scaled
 
 
 def _digits(number: float | None, shown: str) -> str:
-    return NOTHING if number is None else f"{_scaled(number, shown):.6g}"
+    return NOTHING if number is None else f"{in_unit(number, shown):.6g}"
 
 
 def _after(unit: str) -> str:

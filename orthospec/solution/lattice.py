@@ -54,12 +54,26 @@ def sampled(design: Design, region: Cuboid | Region | None, size: Array, nodes: 
     ``size`` (d,) is the prescribed cuboid's, from which the reach is looked for. Raises `UsageError` where
     the reach has no end or is not found, `PluginFault` where a measure fails.
     """
-    machine = design.manipulator
-    box = _box(region) or reach_box(machine, np.asarray(size, dtype=float))
+    box = _box(region) or reach_box(design.manipulator, np.asarray(size, dtype=float))
     axes = _axes(box, nodes)
-    shape = tuple(map(len, axes))
-    poses = np.zeros((int(np.prod(shape)), len(machine.axes)))
-    for k, values in enumerate(np.meshgrid(*axes, indexing="ij")):
+    return _measured(design, axes, np.zeros(len(design.manipulator.axes)), tuple(range(len(axes))))
+
+
+def sliced(design: Design, box: Cuboid, through: Array, across: tuple[int, int], nodes: int) -> Lattice:
+    """The design in a plane: at so many nodes along each of two pose axes of the box (n1, n2).
+
+    The other coordinates are those of the pose ``through`` (d,). Raises `PluginFault` where a measure fails.
+    """
+    axes = tuple(np.linspace(box.low[k], box.high[k], nodes) for k in across)
+    pose = np.pad(through, (0, len(design.manipulator.axes) - len(through)))
+    return _measured(design, axes, pose, across)
+
+
+def _measured(design: Design, axes: tuple[Array, ...], pose: Array, along: tuple[int, ...]) -> Lattice:
+    """All there is to tell at the nodes of these axes of the pose, the other coordinates as in ``pose``."""
+    machine, shape = design.manipulator, tuple(map(len, axes))
+    poses = np.tile(pose, (int(np.prod(shape)), 1))
+    for k, values in zip(along, np.meshgrid(*axes, indexing="ij"), strict=True):
         poses[:, k] = values.ravel()
     margin = np.empty(len(poses))
     reachable = np.empty(len(poses), dtype=bool)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orthospec.errors import UnbuildableDesign
-from orthospec.result import compose, read_result, spec_of
+from orthospec.result import compose, log_of, read_result, spec_of
 from orthospec.result.model import Result
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ class Solution:
     """As in ``result.yaml``, SI."""
     spec: Spec | None
     """As it was run; None where it is not at hand, or a plugin of it is not installed."""
+    log: Mapping[str, Any] = field(default_factory=dict)
+    """How the search went, and how long it took; empty where that is not known."""
 
     @cached_property
     def result(self) -> Result:
@@ -47,9 +49,9 @@ def read_solution(path: Path) -> Solution:
 
     Raises `UsageError` for what is no result, `SpecError` with all places for a result with mistakes in it.
     """
-    return Solution(read_result(path), spec_of(path))
+    return Solution(read_result(path), spec_of(path), log_of(path))
 
 
 def solution_of(spec: Spec, outcome: Outcome) -> Solution:
     """The solution that a run or an evaluation came to."""
-    return Solution(compose(spec, outcome.finding), spec)
+    return Solution(compose(spec, outcome.finding), spec, outcome.log)

@@ -1,0 +1,61 @@
+"""Make the pictures of pages in docs/screens anew: python docs/screens.py. Needs the extra `test` and Chromium.
+
+The specs are solved first, into a temporary folder; that takes a minute.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+HERE = Path(__file__).parent
+SPECS = HERE.parent / "specs"
+COLOURS = 128
+"""Of a picture, so that it stays small."""
+REPORTS: dict[str, tuple[str, dict[str, Any], int]] = {
+    "report-light": ("orthoglide-200", {"color_scheme": "light"}, 900),
+    "report-dark": ("orthoglide-200-drives", {"color_scheme": "dark"}, 900),
+    "report-phone": ("orthoglide-1x1x0.8-pareto", {"color_scheme": "light"}, 390),
+    "report-print": ("orthoglide-1x1x0.8-pareto", {"media": "print", "color_scheme": "light"}, 794),
+}
+"""Which spec, how it is looked at, and how wide."""
+
+
+def solved(spec: str, folder: Path) -> Path:
+    result = folder / spec
+    if not result.exists():
+        command = [sys.executable, "-m", "orthospec", "run", str(SPECS / f"{spec}.yaml"), "-o", str(result)]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return result
+
+
+def small(path: Path) -> None:
+    """Few colours, and no larger than it has to be."""
+    with Image.open(path) as picture:
+        picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def main() -> None:
+    chromium = shutil.which("chromium") or sys.exit("no Chromium is installed")
+    options = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with tempfile.TemporaryDirectory() as scratch, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=options)
+        for name, (spec, media, width) in REPORTS.items():
+            page = browser.new_page(viewport={"width": width, "height": 1600})
+            page.emulate_media(**media)
+            page.goto((solved(spec, Path(scratch)) / "report.html").resolve().as_uri())
+            page.screenshot(path=HERE / "screens" / f"{name}.png")
+            page.close()
+            small(HERE / "screens" / f"{name}.png")
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()
