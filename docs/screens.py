@@ -1,5 +1,6 @@
-"""Make the pictures of pages in docs/screens anew: python docs/screens.py. Needs the extra `test` and Chromium.
+"""Make the pictures of pages in docs/screens anew: python docs/screens.py
 
+Needs the extra `test` and Chromium.
 The specs are solved first, into a temporary folder; that takes a minute.
 """
 
@@ -28,6 +29,13 @@ REPORTS: dict[str, tuple[str, dict[str, Any], int]] = {
 """Which spec, how it is looked at, and how wide."""
 
 
+PREVIEWS: dict[str, tuple[str, str, int, int]] = {
+    "preview-orthoglide": ("orthoglide-200-drives", "light", 1, 12),
+    "preview-linear-delta": ("linear-delta-300", "dark", 0, 30),
+}
+"""Which spec, on which screen, the number of the measure shown, and where the tool is."""
+
+
 def solved(spec: str, folder: Path) -> Path:
     result = folder / spec
     if not result.exists():
@@ -51,6 +59,18 @@ def main() -> None:
             page = browser.new_page(viewport={"width": width, "height": 1600})
             page.emulate_media(**media)
             page.goto((solved(spec, Path(scratch)) / "report.html").resolve().as_uri())
+            page.screenshot(path=HERE / "screens" / f"{name}.png")
+            page.close()
+            small(HERE / "screens" / f"{name}.png")
+        for name, (spec, scheme, measure, place) in PREVIEWS.items():
+            page = browser.new_page(viewport={"width": 1100, "height": 700})
+            page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+            page.goto((solved(spec, Path(scratch)) / "preview.html").resolve().as_uri())
+            page.wait_for_selector("body[data-ready]")
+            page.select_option("#measure", index=measure)
+            page.evaluate(f"document.getElementById('place').value = {place}")
+            page.dispatch_event("#place", "input")
+            page.wait_for_timeout(500)
             page.screenshot(path=HERE / "screens" / f"{name}.png")
             page.close()
             small(HERE / "screens" / f"{name}.png")

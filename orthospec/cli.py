@@ -330,6 +330,45 @@ def report(
 
 
 @_command
+def preview(
+    result: ResultPath,
+    other: Annotated[
+        Path | None,
+        typer.Option(
+            "--with", metavar="RESULT", help="Another result whose machine and cuboid to show in it."
+        ),
+    ] = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="Show it in a browser, and follow the result until Ctrl-C.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", metavar="FILE", help="Where to write; preview.html in the result's folder."
+        ),
+    ] = None,
+) -> int:
+    """Write a scene of a result, to turn and move in a browser."""
+    from orthospec.preview import preview as page
+    from orthospec.preview import show_live
+    from orthospec.result import PREVIEW, write_page
+    from orthospec.solution import read_solution
+
+    def made() -> str:
+        return page(read_solution(result), None if other is None else read_solution(other))
+
+    if live:
+        if out is not None:
+            raise UsageError("--live writes no file: leave -o out")
+        show_live(made, result, _print)
+        return DONE
+    file = out or (result if result.is_dir() else result.parent) / PREVIEW
+    write_page(file, made())
+    _print(f"Written to {file}")
+    return DONE
+
+
+@_command
 def diff(
     both: Annotated[
         list[str],
@@ -436,13 +475,14 @@ def _hand_over(
 
 def _pages(spec: Spec, content: dict[str, Any], log: dict[str, Any]) -> dict[str, str]:
     """The pages of a result folder; one that cannot be made is left out, and costs nothing else."""
+    from orthospec.preview import preview
     from orthospec.report import report
-    from orthospec.result import REPORT
+    from orthospec.result import PREVIEW, REPORT
     from orthospec.solution import Solution
 
     solution = Solution(content, spec, log)
     pages = {}
-    for name, make in {REPORT: report}.items():
+    for name, make in {REPORT: report, PREVIEW: preview}.items():
         try:
             pages[name] = make(solution)
         except Exception as error:

@@ -50,7 +50,8 @@ def spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture(autouse=True)
 def quick_pages(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages have tests of their own, and take a second each."""
-    monkeypatch.setattr("orthospec.report.report", lambda solution: f"<h1>{solution.result.status}</h1>\n")
+    for page in ("report.report", "preview.preview"):
+        monkeypatch.setattr(f"orthospec.{page}", lambda one, _=None: f"<h1>{one.result.status}</h1>\n")
 
 
 def _orthospec(*arguments: str, code: int = 0, text: str | None = None) -> Any:
@@ -156,7 +157,12 @@ def test_a_page_that_cannot_be_made_is_left_out_and_costs_nothing_else(
     monkeypatch.setattr("orthospec.report.report", broken)
     told = _orthospec("evaluate", spec.name, "-o", "out")
     assert "note: report.html is left out: ZeroDivisionError: no figure" in told.stderr
-    assert sorted(path.name for path in Path("out").iterdir()) == ["result.yaml", "run.log.json", "spec.yaml"]
+    assert sorted(path.name for path in Path("out").iterdir()) == [
+        "preview.html",
+        "result.yaml",
+        "run.log.json",
+        "spec.yaml",
+    ]
 
 
 def test_report_is_written_anew_where_it_is_wanted(spec: Path) -> None:
@@ -171,6 +177,16 @@ def test_report_is_written_anew_where_it_is_wanted(spec: Path) -> None:
     assert (Path("figures") / "tables.tex").is_file()
     assert "no such file or folder" in _orthospec("report", "missing", code=2).stderr
     assert "cannot be written" in _orthospec("report", "out", "-o", f"{spec.name}/page.html", code=2).stderr
+
+
+def test_preview_is_written_anew_where_it_is_wanted(spec: Path) -> None:
+    _orthospec("evaluate", spec.name, "-o", "out")
+    Path("out/preview.html").unlink()
+    assert _orthospec("preview", "out").stdout == "Written to out/preview.html\n"
+    _orthospec("preview", "out", "--with", "out", "-o", "both.html")
+    assert Path("both.html").read_text() == Path("out/preview.html").read_text()
+    assert "leave -o out" in _orthospec("preview", "out", "--live", "-o", "x.html", code=2).stderr
+    assert "no such file or folder" in _orthospec("preview", "out", "--with", "missing", code=2).stderr
 
 
 def test_evaluate_prints_and_writes_only_on_request(spec: Path) -> None:
@@ -246,7 +262,7 @@ def test_plugins_explain_and_schema_print() -> None:
 def test_version_and_help() -> None:
     assert _orthospec("--version").stdout.startswith("orthospec 0.")
     text = _orthospec("--help").stdout
-    commands = ["init", "run", "check", "plan", "evaluate", "show", "report", "diff"]
+    commands = ["init", "run", "check", "plan", "evaluate", "show", "report", "preview", "diff"]
     commands += ["plugins", "explain", "schema"]
     listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
     assert listed == commands
@@ -397,6 +413,7 @@ def test_ctrl_c_while_fields_are_made_leaves_the_rest_of_the_result(
     told = _orthospec("evaluate", str(spec), "-o", "stopped", "--fields", code=4)
     assert "fields.npz is left out" in told.stderr
     assert {path.name for path in Path("stopped").iterdir()} == {
+        "preview.html",
         "report.html",
         "result.yaml",
         "run.log.json",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +38,7 @@ def slices(subject: Subject, name: str) -> Drawing | None:
     place, design, asked = subject.place, subject.design, subject.known.measures[name]
     if place is None or design is None or len(place.low) < 2:
         return None
-    side = _side(asked)
+    side = bound_side(asked.bounds)
     box, planes = _around(place), list(combinations(range(len(place.low)), 2))
     parts = [sliced(design, box, np.array(place.centre), plane, NODES) for plane in planes]
     if not all(name in part.values for part in parts):
@@ -85,9 +86,9 @@ def _between(subject: Subject, name: str, asked: Asked) -> str:
     )
 
 
-def _side(asked: Asked) -> str:
+def bound_side(bounds: Mapping[str, float]) -> str:
     """The side that is shown of a measure with two: the bounded one."""
-    return "at_least" if "at_least" in asked.bounds and "at_most" not in asked.bounds else "at_most"
+    return "at_least" if "at_least" in bounds and "at_most" not in bounds else "at_most"
 
 
 def _bounded(part: Lattice, name: str, side: str) -> Array:
@@ -241,7 +242,7 @@ def _surface(axes: Axes, subject: Subject, surface: Surface, place: Cuboid, view
 
 def cuboids(subject: Subject) -> Drawing | None:
     """The prescribed cuboid, the largest ones and those of the levels, one in the other."""
-    found = _nested(subject)
+    found = nested(subject)
     if len(found) < 2 or len(found[0][1].low) < 2:
         return None
     from matplotlib.figure import Figure
@@ -278,7 +279,7 @@ def cuboids(subject: Subject) -> Drawing | None:
     )
 
 
-def _nested(subject: Subject) -> list[tuple[str, Cuboid, float]]:
+def nested(subject: Subject) -> list[tuple[str, Cuboid, float]]:
     """What is known of cuboids, with words, ends and scales; the prescribed one first."""
     workspace = subject.result.workspace
     found = [] if subject.place is None else [("prescribed", subject.place, 1.0)]

@@ -4,6 +4,7 @@ from orthospec.result.content import compose
 from orthospec.result.files import (
     PREVIEW,
     REPORT,
+    RESULT,
     check_destination,
     log_of,
     read_result,
@@ -29,6 +30,7 @@ from orthospec.result.records import (
 __all__ = [
     "PREVIEW",
     "REPORT",
+    "RESULT",
     "Attainment",
     "Branch",
     "Card",

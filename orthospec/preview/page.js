@@ -1,0 +1,95 @@
+"use strict";
+// The scene's data: commands for the viewer, bars and their ends at each place of the tool, places in words.
+const scene = JSON.parse(document.getElementById("scene").textContent);
+const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
+const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
+const tell = (command) => viewer.handle_command(command);
+const set = (path, property, value) => tell({type: "set_property", path: path, property: property, value: value});
+
+for (const command of scene.commands) viewer.handle_command_bytearray(bytes(command));
+for (const path of ["/Grid", "/Axes"]) set(path, "visible", false);
+set("/Cameras/default/rotated/<object>", "position", [1.45, 1.05, 1.75]);
+set("/Lights/AmbientLight/<object>", "intensity", 0.75);
+
+// A bar is a cylinder along y, of length 1: turned to its direction, and as long as it has to be.
+function stretched(a, b) {
+  const way = [0, 1, 2].map((k) => b[k] - a[k]);
+  const length = Math.hypot(...way) || 1e-9;
+  const along = way.map((x) => x / length);
+  const least = along.map(Math.abs).indexOf(Math.min(...along.map(Math.abs)));
+  const other = [0, 1, 2].map((k) => (k === least ? 1 : 0));
+  const cross = (u, v) => [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+  let across = cross(along, other);
+  const norm = Math.hypot(...across);
+  across = across.map((x) => x / norm);
+  const third = cross(across, along);
+  const middle = [0, 1, 2].map((k) => (a[k] + b[k]) / 2);
+  return [...across, 0, ...way, 0, ...third, 0, ...middle, 1];
+}
+
+const slider = document.getElementById("place");
+const said = document.getElementById("pose");
+const button = document.getElementById("play");
+
+function show(frame) {
+  let bar = 0;
+  for (const machine of scene.frames) {
+    for (const ends of machine[frame]) {
+      tell({type: "set_transform", path: scene.bars[bar++], matrix: stretched(ends.slice(0, 3), ends.slice(3))});
+    }
+  }
+  for (const tool of scene.tools) {
+    tell({type: "set_transform", path: tool.path, matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...tool.places[frame], 1]});
+  }
+  if (said) said.value = scene.poses[frame];
+  viewer.set_dirty();
+}
+
+if (slider) {
+  slider.addEventListener("input", () => show(Number(slider.value)));
+  show(0);
+  let playing = null;
+  button.addEventListener("click", () => {
+    if (playing !== null) {
+      clearInterval(playing);
+      playing = null;
+    } else {
+      playing = setInterval(() => {
+        slider.value = (Number(slider.value) + 1) % scene.poses.length;
+        show(Number(slider.value));
+      }, 60);
+    }
+    button.textContent = playing === null ? "Move" : "Stop";
+  });
+}
+
+for (const box of document.querySelectorAll("input[data-path]")) {
+  const apply = () => set("/scene/" + box.dataset.path, "visible", box.checked);
+  box.addEventListener("change", () => { apply(); viewer.set_dirty(); });
+  apply();
+}
+
+const chosen = document.getElementById("measure");
+if (chosen) {
+  const apply = () => {
+    for (const option of chosen.options) {
+      if (option.value) set("/scene/" + option.value, "visible", option.selected);
+      const legend = document.getElementById("legend-" + option.value);
+      if (legend) legend.hidden = !option.selected;
+    }
+    viewer.set_dirty();
+  };
+  chosen.addEventListener("change", apply);
+  apply();
+}
+
+const dark = window.matchMedia("(prefers-color-scheme: dark)");
+function dress() {
+  const colours = dark.matches ? [[0.13, 0.14, 0.16], [0.07, 0.075, 0.085]] : [[0.97, 0.975, 0.985], [0.84, 0.86, 0.89]];
+  set("/Background", "top_color", colours[0]);
+  set("/Background", "bottom_color", colours[1]);
+  viewer.set_dirty();
+}
+dark.addEventListener("change", dress);
+dress();
+document.body.dataset.ready = "yes";
