@@ -85,7 +85,7 @@ def _command(work: Callable[_Arguments, int]) -> Callable[_Arguments, None]:
     def guarded(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> None:
         raise typer.Exit(exit_code(lambda: work(*args, **kwargs)))
 
-    name = work.__name__.removesuffix("_")
+    name = work.__name__.replace("_", "-")
     return app.command(name)(guarded)
 
 
@@ -415,6 +415,22 @@ def explain(
     from orthospec.show import explain as text
 
     _print(text(name, **_format(sys.stdout)))
+    return DONE
+
+
+@_command
+def new_plugin(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of the distribution and its new folder.")],
+    machine: Annotated[
+        bool, typer.Option("--manipulator", help="For a machine; a measure if left out.")
+    ] = False,
+) -> int:
+    """Write a distribution to start a plugin from."""
+    from orthospec.starter import write_plugin
+
+    folder = write_plugin(name, "manipulator" if machine else "measure")
+    _print(f"Written to {folder}")
+    _print(f"Next: pip install './{folder}[test]', pytest {folder}, orthospec run {folder}/specs/try.yaml")
     return DONE
 
 

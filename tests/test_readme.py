@@ -100,7 +100,7 @@ def test_the_readmes_first_spec_is_the_one_that_its_command_runs() -> None:
 
 def test_each_command_has_help_and_stands_in_the_readme_with_its_options() -> None:
     commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
-    in_readme = dict(re.findall(r"^\| `orthospec (\w+)(.*?)` \|", README, re.MULTILINE))
+    in_readme = dict(re.findall(r"^\| `orthospec ([\w-]+)(.*?)` \|", README, re.MULTILINE))
     assert in_readme.keys() == commands.keys()
     for name, command in commands.items():
         assert command.help, name

@@ -81,6 +81,8 @@ def singular_values(matrices: Matrices) -> Array:
 
     To some 1e-10 of each; where they are over a thousand apart by LAPACK, to rounding of the greatest.
     """
+    if not isinstance(matrices, np.ndarray):  # Intervals, which take part in NumPy's functions.
+        return np.linalg.svd(matrices, compute_uv=False)[:, ::-1]
     squares = gram_eigenvalues(matrices)
     with np.errstate(invalid="ignore"):
         poor = ~(squares[:, 0] >= ILL_CONDITIONED * squares[:, -1])

@@ -143,7 +143,11 @@ def evaluate(
     asked = [*bounded, *(demand.at(level) for demand, level in levels)]
     states, failures = node_states(machine.manipulator, asked, grid, progress, blocks)
     look = _Search(machine, setting, grid)
-    own = {d.name: look.largest([d], state) for d, state in zip(bounded, states, strict=False)}
+    known = prescribed or {}
+    own = {
+        d.name: look.largest([d], state, known.get(d.name, known.get("")))
+        for d, state in zip(bounded, states, strict=False)
+    }
     nested = [
         (demand.name, level, look.largest([demand.at(level)], state))
         for (demand, level), state in zip(levels, states[len(bounded) :], strict=False)
@@ -151,7 +155,11 @@ def evaluate(
     joint = None
     if setting.together or not bounded:
         everything = together(states[: len(bounded)]) if bounded else reach_alone(states[0])
-        joint = next(iter(own.values())) if len(bounded) == 1 else look.largest(bounded, everything)
+        joint = (
+            next(iter(own.values()))
+            if len(bounded) == 1
+            else look.largest(bounded, everything, known.get(""))
+        )
     places = _places(setting, joint, own, prescribed)
     standing = {name: _stand(machine, place, bounded, name) for name, place in places.items()}
     records = {
@@ -176,8 +184,13 @@ class _Search:
     setting: Setting
     grid: Grid
 
-    def largest(self, demands: Sequence[Demand], states: NDArray[np.uint8]) -> Largest:
-        """The largest cuboid of one mask, polished from each cluster of the grid's best placements."""
+    def largest(
+        self, demands: Sequence[Demand], states: NDArray[np.uint8], also: Cuboid | None = None
+    ) -> Largest:
+        """The largest cuboid of one mask, polished from each cluster of the grid's best placements.
+
+        ``also`` is polished too: a cuboid that a search has placed may stand where the grid shows less.
+        """
         edges = edge_lengths(states == State.MEETS)
         best = largest(edges)
         order = (State.MEETS, State.VIOLATES, State.UNREACHABLE, State.FAILED)
@@ -185,6 +198,7 @@ class _Search:
         if best is None:
             return Largest(0.0, 0.0, 0, None, nodes)
         starts = [self.grid.cuboid(placement) for placement in [best, *clusters(edges)[1:STARTS]]]
+        starts += [also] if also is not None else []
         machine = Machine(self.machine.manipulator, {demand.name: demand for demand in demands})
         found = polish(machine, list(machine.demands), self.setting.size, starts, self.setting.region)
         grid_scale = best.steps / self.setting.divisions

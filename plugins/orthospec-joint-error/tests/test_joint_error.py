@@ -14,6 +14,7 @@ from orthospec.measures import Demand
 from orthospec.optimise import Outcome, evaluate_spec, solve
 from orthospec.registry import MEASURES, distribution_of
 from orthospec.spec import load_spec
+from orthospec.testing import check_measure
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.field import measured
 from orthospec.workspace.machine import Machine
@@ -138,3 +139,7 @@ def test_the_bound_is_proved_at_every_pose_without_a_line_for_it() -> None:
         demand = Demand("accuracy", JointError(error=5e-6), {"at_most": bound})
         claims = prove(Machine(machine(), {"accuracy": demand}), cube, slack=1e-4)
         assert claims[-1].verdict == verdict
+
+
+def test_it_conforms() -> None:
+    check_measure(JointError(error=5e-6), machine())

@@ -7,18 +7,22 @@ variance e² Σ_i J_ki². Their sum is the mean square of the distance between t
 
     error = e ‖J‖_F = e sqrt(Σ_i 1/s_i²),      s_i the singular values of J⁻¹.
 
-Only numbers are given here, and no convex form: the optimiser linearises their logarithm. Written with whole
-arrays, they hold for boxes of poses too, and a proof needs no more.
+The norm is convex in J, and so is its logarithm's excess over what the norm was: divided by itself,
+
+    ‖J‖_F / ‖J_0‖_F − 1 + ln(e ‖J_0‖_F) <= ln b,
+
+which is exact where J = J_0. This is the convex form. The values are written with whole arrays, so that they
+hold for boxes of poses too, and a proof needs no more.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
 
-from orthospec.measures import Measure
+from orthospec.measures import ConvexForm, Measure, logarithm
 from orthospec.quantities import Length
 
 if TYPE_CHECKING:
@@ -51,3 +55,19 @@ class JointError(Measure):
         with np.errstate(divide="ignore"):
             squares = np.linalg.svd(finite, compute_uv=False) ** -2.0
         return np.where(known, self.error * np.sqrt(squares.sum(axis=1)), np.nan)
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """‖Y‖ − 1 + l <= ln b with Y = J / ‖J‖_F and l = ln(e ‖J‖_F); NaN where J is not finite."""
+        import cvxpy as cp
+
+        inverse = manipulator.inverse_jacobian(poses)
+        sound = np.isfinite(inverse).all(axis=(1, 2)) & (np.abs(np.linalg.det(np.nan_to_num(inverse))) > 0)
+        safe = np.where(sound[:, None, None], inverse, np.eye(inverse.shape[1]))
+        parts = np.linalg.inv(safe).reshape(len(poses), -1)
+        size = np.linalg.norm(parts, axis=1)
+        inside = np.column_stack([parts / size[:, None], np.log(self.error * size)])
+
+        def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+            return [cp.norm(x[:-1]) <= 1 + logarithm(bound) + slack - x[-1]]
+
+        return ConvexForm(np.where(sound[:, None], inside, np.nan), holds)

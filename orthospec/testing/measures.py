@@ -1,0 +1,180 @@
+"""The promises of a measure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from orthospec.errors import NoEnclosure
+from orthospec.intervals import as_interval
+from orthospec.manipulators import Manipulator
+from orthospec.measures import Measure
+from orthospec.measures.demand import bounded_side
+from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
+from orthospec.testing.machines import MachineUnderTest
+from orthospec.testing.sampling import CLOSE, INSIDE, SINGLES, boxes, tried_in, within
+
+if TYPE_CHECKING:
+    from orthospec.measures import ConvexForm
+    from orthospec.workspace.cuboid import Cuboid
+
+
+def check_measure(measure: Measure, machine: Manipulator, region: tuple[Any, Any] | None = None) -> None:
+    """Try every promise of a measure on a machine that conforms; `Nonconformity` tells the first one broken.
+
+    ``region``, least and greatest coordinates, is where to try; a box around the reach is found if left out.
+    """
+    _Measure(measure, machine, tried_in(machine, region)).check()
+
+
+class _Measure:
+    """The promises of a measure."""
+
+    SIDES: ClassVar[frozenset[str]] = frozenset({"at_least", "at_most"})
+
+    def __init__(self, measure: Measure, machine: Manipulator, box: Cuboid) -> None:
+        self.measure, self.machine = measure, machine
+        self.of_machine = MachineUnderTest(machine, box)
+        self.poses = self.of_machine.inside()
+
+    def check(self) -> None:
+        """Try all of them."""
+        documented(type(self.measure))
+        survives(self.measure)
+        self.declared()
+        self.values()
+        self.enclosure()
+        for side in sorted(self.measure.sides):
+            form = self.measure.form(self.machine, self.poses, side)
+            if form is not None:
+                self.form(form, side)
+
+    def declared(self) -> None:
+        """Unit, sides and needs are those that orthospec knows."""
+        measure = self.measure
+        is_unit(measure, measure.unit, "unit")
+        expect(
+            measure.sides and measure.sides <= self.SIDES,
+            measure,
+            f"sides are {sorted(measure.sides)}",
+            "at_least, at_most or both",
+        )
+        needs = {"compliance", "joint_inertia", "actuator_forces", "actuator_speeds"}
+        expect(
+            measure.needs <= needs,
+            measure,
+            f"needs {sorted(measure.needs - needs)}",
+            f"of {', '.join(sorted(needs))}",
+        )
+
+    def values(self) -> None:
+        """Shapes, order, and the same for each pose in any company."""
+        measure, poses, before = self.measure, self.poses, self.poses.copy()
+        together, given = measure.values(self.machine, poses), before.copy()
+        again = measure.values(self.machine, given)
+        n = len(poses)
+        expect(
+            isinstance(together, np.ndarray)
+            and together.shape in {(n,), (n, 2)}
+            and together.dtype.kind == "f",
+            measure,
+            f"values gave {type(together).__name__} of shape {np.shape(together)}",
+            f"floats ({n},) or ({n}, 2) are owed",
+        )
+        expect(np.array_equal(given, before), measure, "values changes the poses", "compute with copies")
+        expect(
+            np.array_equal(together, again, equal_nan=True),
+            measure,
+            "values gives other numbers the second time",
+            "nothing random, and no state",
+        )
+        wrong = np.asarray(np.isnan(together).reshape(n, -1).any(axis=1))
+        expect(
+            not wrong.any(),
+            measure,
+            f"the value is NaN {where(poses, wrong)}, well within the reach",
+            "what is infinite is inf; what cannot be computed is for poses out of reach",
+        )
+        for k in range(0, n, max(n // SINGLES, 1)):
+            alone = measure.values(self.machine, poses[k : k + 1].copy())[0]
+            expect(
+                np.allclose(alone, together[k], rtol=CLOSE, equal_nan=True),
+                measure,
+                f"values gives {alone} alone and {together[k]} in a block {at(poses[k])}",
+                "each pose on its own row",
+            )
+        if together.ndim == 2:
+            wrong = together[:, 0] > together[:, 1]
+            expect(
+                not wrong.any(),
+                measure,
+                f"the least value exceeds the greatest {where(poses, wrong)}",
+                "swap them",
+            )
+        wrong = np.asarray((together < measure.least - CLOSE * abs(measure.least)).reshape(n, -1).any(axis=1))
+        expect(
+            not wrong.any(),
+            measure,
+            f"the value is below 'least' {where(poses, wrong)}",
+            f"least is {measure.least}",
+        )
+
+    def enclosure(self) -> None:
+        """Values at poses of a box lie within what is told of the whole box."""
+        for several in boxes(self.of_machine.box, self.of_machine.axes, around=self.poses):
+            try:
+                enclosed = self.measure.enclosure(self.machine, several)
+            except NoEnclosure:
+                return  # Allowed: then nothing is proved of it.
+            if enclosed is None:
+                return
+            enclosed = as_interval(enclosed)
+            for k in range(INSIDE):
+                poses = within(several, k)
+                values = self.measure.values(self.machine, poses)
+                expect(
+                    enclosed.lo.shape == values.shape,
+                    self.measure,
+                    f"enclosure has the shape {enclosed.lo.shape}",
+                    f"that of values is {values.shape}",
+                )
+                outside = (values < enclosed.lo) | (values > enclosed.hi)
+                wrong = np.asarray(outside.reshape(len(poses), -1).any(axis=1))
+                expect(
+                    not wrong.any(),
+                    self.measure,
+                    f"the value leaves its enclosure {where(poses, wrong)}",
+                    "give nothing that is not certain",
+                )
+
+    def form(self, form: ConvexForm, side: str) -> None:
+        """The bound holds without slack where the values meet it, and nowhere else."""
+        values = bounded_side(self.measure.values(self.machine, self.poses), side)
+        sound = (
+            np.isfinite(values) & (values > 0) & np.isfinite(form.inside).reshape(len(values), -1).all(axis=1)
+        )
+        for k in np.flatnonzero(sound)[:: max(int(sound.sum()) // SINGLES, 1)]:
+            for factor in (0.8, 0.95, 1.05, 1.25):
+                bound = factor * float(values[k])
+                met = factor > 1 if side == "at_most" else factor < 1
+                slack = least_slack(form, k, bound)
+                needed = abs(np.log(factor))
+                holds = slack <= 1e-6 if met else 0.3 * needed < slack < 3 * needed + 1e-6
+                expect(
+                    holds,
+                    self.measure,
+                    f"the form of {side} needs a slack of {slack:.3g} for {factor:g} times the value as bound"
+                    f" {at(self.poses[k])}",
+                    "0 where the value meets it, else about the logarithm of their ratio",
+                )
+
+
+def least_slack(form: ConvexForm, k: int, bound: float) -> float:
+    """The slack that a form needs for a bound at pose k."""
+    import cvxpy as cp
+
+    slack = cp.Variable(nonneg=True)
+    problem = cp.Problem(cp.Minimize(slack), form.holds(cp.Constant(form.inside[k]), bound, slack))
+    problem.solve(solver=cp.CLARABEL)
+    return float(slack.value) if slack.value is not None else np.inf

@@ -1,0 +1,83 @@
+"""Where plugins are tried: poses, boxes of poses, and machines twice as large."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from orthospec.errors import OrthospecError
+from orthospec.intervals import Boxes
+from orthospec.show.keys import keys_of
+from orthospec.testing.expectations import Nonconformity
+from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.grid import reach_box
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Poses
+    from orthospec.manipulators import Manipulator
+
+POSES, SINGLES, BOXES, INSIDE = 500, 12, 40, 25
+"""Tried in a block, one by one, as boxes, and in each box."""
+CLOSE, DIFFERENCE = 1e-9, 1e-5
+"""How near two ways to one number have to come, relative: by the same code, and by differences."""
+WELL_INSIDE = 1e-2
+"""A margin from which on differences are taken: nearer to its end a field may change too fast for them."""
+LARGER = 2.0
+"""By what a machine is made larger to see whether its lengths are lengths."""
+
+
+def tried_in(machine: Manipulator, region: tuple[Any, Any] | None) -> Cuboid:
+    """The box of poses to try."""
+    if region is not None:
+        return Cuboid(tuple(map(float, region[0])), tuple(map(float, region[1])))
+    try:
+        return reach_box(machine, np.full(len(machine.axes), 0.1))
+    except OrthospecError as error:
+        raise Nonconformity(
+            f"{type(machine).__name__}: {error}; give the test a region=(low, high)"
+        ) from None
+
+
+def block(box: Cuboid, axes: int, seed: int, count: int = POSES) -> Poses:
+    """Poses of a box at random, the same for the same seed."""
+    u = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, len(box.low)))
+    return box.poses(u, axes)
+
+
+def enlarged(machine: Manipulator) -> Manipulator | None:
+    """The machine with all its lengths doubled; None where that cannot be built."""
+    keys = machine.model_dump(mode="json", by_alias=True, exclude_none=True)
+    for key in keys_of(type(machine)).every():
+        if key.units == ("m",):
+            _scale(keys, key.path)
+    try:
+        return type(machine).model_validate(keys)
+    except ValueError:
+        return None
+
+
+def _scale(keys: Any, path: tuple[str, ...]) -> None:
+    *stem, last = path
+    for name in stem:
+        keys = keys.get(name) if isinstance(keys, dict) else None
+    if isinstance(keys, dict) and keys.get(last) is not None:
+        value = np.multiply(keys[last], LARGER)
+        keys[last] = value.tolist()
+
+
+def boxes(box: Cuboid, axes: int, around: Poses | None = None) -> list[Boxes]:
+    """Boxes of three sizes, points among them."""
+    centres = block(box, axes, seed=3, count=BOXES) if around is None else around[:BOXES]
+    found = []
+    for part in (0.0, 1e-3, 3e-2):
+        half = np.zeros((1, axes))
+        half[0, : len(box.low)] = part * box.size / 2
+        found.append(Boxes(centres - half, centres + half))
+    return found
+
+
+def within(boxes: Boxes, seed: int) -> Poses:
+    """A pose of each box."""
+    parts = np.random.default_rng(seed).uniform(0, 1, boxes.lo.shape)
+    return np.clip(boxes.lo + parts * (boxes.hi - boxes.lo), boxes.lo, boxes.hi)

@@ -1,0 +1,59 @@
+"""``lowest_frequency``: the lowest natural frequency of the machine, its drives held, at a pose.
+
+What moves is told by the inertia at the tool, G = J⁻ᵀ D J⁻¹ with D in joint space, and what gives way by
+the compliance of the tool against forces, C_tt. Masses in between follow the tool as they do when nothing
+bends, so that this is a static condensation (R. J. Guyan, *Reduction of stiffness and mass matrices*, AIAA
+Journal 3(2), 1965). Free vibrations of the tool are G p̈ + C_tt⁻¹ p = 0: with λ the eigenvalues of C_tt G,
+
+    f = 1 / (2 π sqrt(λ_max(C_tt G))).
+
+With G = L Lᵀ these are the eigenvalues of Lᵀ C_tt L, which is symmetric. Only numbers are given here: no
+convex form, and no bounds over boxes of poses, since a Cholesky factor is not among what intervals know. A
+run with this measure holds it at the critical poses that it finds, and says that it is not proved.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from orthospec.measures import Measure
+from orthospec.mechanics.inertia import at_tool
+
+if TYPE_CHECKING:
+    from orthospec.arrays import Array, Poses
+    from orthospec.manipulators import Manipulator
+
+__all__ = ["LowestFrequency"]
+
+
+class LowestFrequency(Measure):
+    """Lowest natural frequency f = 1 / (2 π sqrt(λ_max(C_tt G))), the drives held, all masses at the tool.
+
+    Guyan (1965). For machines whose tool only translates.
+    """
+
+    unit: ClassVar[str] = "Hz"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least"})
+    least: ClassVar[float] = 0.0
+    needs: ClassVar[frozenset[str]] = frozenset({"compliance", "joint_inertia"})
+
+    def values(self, manipulator: Manipulator, poses: Poses) -> Array:
+        """The frequency at each pose (n,) [Hz]; 0 where the machine is loose or singular."""
+        if manipulator.axes != ("x", "y", "z"):
+            raise ValueError("lowest_frequency is for machines whose tool translates along x, y and z")
+        compliance = manipulator.compliance(poses)[:, :3, :3]
+        inertia = at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
+        known = np.isfinite(compliance).all(axis=(1, 2)) & np.isfinite(inertia).all(axis=(1, 2))
+        slowest = np.full(len(poses), np.inf)
+        slowest[known] = _greatest(compliance[known], inertia[known])
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(slowest)))
+
+
+def _greatest(compliance: Array, inertia: Array) -> Array:
+    """λ_max(C_tt G) (n,) [s²]."""
+    factor = np.linalg.cholesky((inertia + np.swapaxes(inertia, 1, 2)) / 2)
+    product = np.swapaxes(factor, 1, 2) @ compliance @ factor
+    return np.asarray(np.linalg.eigvalsh((product + np.swapaxes(product, 1, 2)) / 2)[:, -1])

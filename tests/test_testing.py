@@ -1,0 +1,345 @@
+"""The conformance test passes what is built in, and catches each planted fault with its pose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from orthospec.errors import PluginFault
+from orthospec.manipulators import Manipulator, Skeleton
+from orthospec.manipulators.linear_delta import LinearDelta
+from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.measures import ConvexForm, Measure
+from orthospec.quantities import Length, Number
+from orthospec.registry import MEASURES, distribution_of, find_measure, names
+from orthospec.testing import Nonconformity, check_manipulator, check_measure
+
+WHOLE = Orthoglide.model_validate(
+    {
+        "leg_lengths": [0.31, 0.33, 0.35],
+        "legs": {
+            "kind": "PRPaR",
+            "section": {"round": {"diameter": 0.02}},
+            "material": "steel",
+            "spacing": 0.08,
+        },
+        "actuators": {"stiffness": 5e7, "mass": 1.0, "force": 100.0, "speed": 1.0},
+        "platform": {"mass": 1.0},
+    }
+)
+BUILT_IN = [n for n in names(MEASURES) if distribution_of(MEASURES, n).distribution == "orthospec"]
+KEYS: Mapping[str, Mapping[str, float]] = {
+    "deflection": {"force": 100.0},
+    "rotation": {"torque": 10.0},
+    "joint_speed": {"speed": 1.0},
+    "actuator_force": {"acceleration": 1.0},
+}
+
+
+def test_the_built_in_machines_conform() -> None:
+    check_manipulator(WHOLE)
+    delta = LinearDelta(leg_lengths=(0.4,) * 3, base_radius=0.25, platform_radius=0.05)
+    check_manipulator(delta, region=([-0.3, -0.3, -0.2], [0.3, 0.3, 0.2]))
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_the_measures_at_hand_conform(name: str) -> None:
+    check_measure(find_measure(name)(**KEYS.get(name, {})), WHOLE)
+
+
+class Slider(Manipulator):
+    """One slider and a leg to a point on a line above it: ρ = x + sqrt(L² − h²), x the pose."""
+
+    leg: Length = 1.0
+    """Length of the leg [m]."""
+    most: Length = 0.4
+    """How far to either side the tool may go [m]."""
+
+    axes: ClassVar[tuple[str, ...]] = ("x", "y")
+    joint_units: ClassVar[tuple[str, ...]] = ("m", "m")
+    index_units: ClassVar[Mapping[str, str]] = {"stroke": "m"}
+
+    def inverse_kinematics(self, poses: Any) -> Any:
+        """ρ1 = sqrt(L² + x²), ρ2 = y + x."""
+        joints = np.stack([np.sqrt(self.leg**2 + poses[:, 0] ** 2), poses.sum(axis=1)], axis=1)
+        return joints, np.min(np.stack(list(self.reach(poses).values())), axis=0) >= -1e-12
+
+    def reach(self, poses: Any) -> Any:
+        """Within most of the origin."""
+        return {"side": 1 - np.abs(poses[:, 0]) / self.most, "height": 1 - np.abs(poses[:, 1]) / self.most}
+
+    def inverse_jacobian(self, poses: Any) -> Any:
+        """Rows (x / ρ1, 0) and (1, 1)."""
+        slope = poses[:, 0] / np.sqrt(self.leg**2 + poses[:, 0] ** 2)
+        first = np.stack([slope, np.zeros_like(slope)], axis=1)
+        return np.stack([first, np.ones_like(first)], axis=1)
+
+    def indices(self, joint_ranges: Any) -> Any:
+        """The longer travel."""
+        return {"stroke": float(np.max(joint_ranges[:, 1] - joint_ranges[:, 0]))}
+
+    def skeleton(self, poses: Any) -> Skeleton:
+        """One line."""
+        line = np.zeros((len(poses), 1, 2, 3))
+        line[:, 0, 1, :2] = poses
+        return Skeleton(line, np.array([0.01]), ("leg_1",))
+
+
+class Wrong:
+    """Planted faults: each a class, and what is said of it."""
+
+    class Undescribed(Slider):
+        """Has a field without a word."""
+
+        other: Length = 1.0
+
+    class Shape(Slider):
+        """Joints of one column."""
+
+        def inverse_kinematics(self, poses: Any) -> Any:
+            joints, reachable = super().inverse_kinematics(poses)
+            return joints, reachable[:, None]
+
+    class Flags(Slider):
+        """Reaches what its margins forbid."""
+
+        def inverse_kinematics(self, poses: Any) -> Any:
+            joints, reachable = super().inverse_kinematics(poses)
+            return joints, reachable | (poses[:, 0] > 0)
+
+    class Shy(Slider):
+        """Does not reach what its margins allow."""
+
+        def inverse_kinematics(self, poses: Any) -> Any:
+            joints, reachable = super().inverse_kinematics(poses)
+            return joints, reachable & (poses[:, 0] > 0)
+
+    class Gaps(Slider):
+        """Has no joints where it says it reaches."""
+
+        def inverse_kinematics(self, poses: Any) -> Any:
+            joints, reachable = super().inverse_kinematics(poses)
+            return np.where(poses[:, :1] > 0.1, np.nan, joints), reachable
+
+    class Derivative(Slider):
+        """J instead of J⁻¹."""
+
+        def inverse_jacobian(self, poses: Any) -> Any:
+            return -super().inverse_jacobian(poses)
+
+    class Company(Slider):
+        """A pose's margin depends on the others."""
+
+        def reach(self, poses: Any) -> Any:
+            return {name: m - 1e-3 * np.mean(poses) for name, m in super().reach(poses).items()}
+
+    class Careless(Slider):
+        """Writes into what it is given."""
+
+        def inverse_jacobian(self, poses: Any) -> Any:
+            if poses.flags.writeable:
+                poses[:] = 0
+            return super().inverse_jacobian(np.array(poses))
+
+    class Metres(Slider):
+        """A length stands in the code."""
+
+        def reach(self, poses: Any) -> Any:
+            return super().reach(poses) | {"near": 1 - np.sum(poses**2, axis=1) / 0.1}
+
+    class Unit(Slider):
+        """An index without a unit."""
+
+        def indices(self, joint_ranges: Any) -> Any:
+            return {**super().indices(joint_ranges), "extra": 1.0}
+
+    class Drawn(Slider):
+        """Two names for one line."""
+
+        def skeleton(self, poses: Any) -> Skeleton:
+            drawn = super().skeleton(poses)
+            return Skeleton(drawn.segments, drawn.radii, ("a", "b"))
+
+    class Missing(Slider):
+        """Asks for a field that it does not have."""
+
+        def missing(self, what: str) -> tuple[str, ...]:
+            return ("mass",) if what == "compliance" else ()
+
+    class Soft(Slider):
+        """A compliance that is not symmetric."""
+
+        def compliance(self, poses: Any) -> Any:
+            return np.tile(np.triu(np.ones((6, 6))) + 6 * np.eye(6), (len(poses), 1, 1))
+
+    class Rising(Slider):
+        """Rises against a load."""
+
+        def compliance(self, poses: Any) -> Any:
+            return np.tile(-np.eye(6), (len(poses), 1, 1))
+
+    class Light(Slider):
+        """A mass below nothing."""
+
+        def joint_inertia(self, poses: Any) -> Any:
+            return np.tile(np.diag([1.0, -1.0]), (len(poses), 1, 1))
+
+    class Certain(Slider):
+        """An enclosure of its margins that is too narrow."""
+
+        def reach_enclosure(self, boxes: Any) -> Any:
+            from orthospec.intervals import Interval
+
+            return {name: Interval(m, m) for name, m in self.reach(boxes.centres).items()}
+
+
+MACHINES = {
+    "Undescribed": "field other has no description",
+    "Shape": "flags are owed",
+    "Flags": r"at \(.*\) is called reachable though a margin is below 0",
+    "Shy": r"at \(.*\) is called out of reach though all margins are above 0",
+    "Gaps": r"joints are not finite at \(.*\), which is called reachable",
+    "Derivative": r"inverse_jacobian for joint 1 and x at \(.*\) is .*, by differences",
+    "Company": "alone and",
+    "Careless": "inverse_jacobian changes the poses",
+    "Metres": "twice as large, it reaches otherwise",
+    "Unit": "indices gives extra, of which index_units knows no unit",
+    "Drawn": "1 names|2 names",
+    "Missing": r"missing\('compliance'\) names 'mass', which is no field",
+    "Soft": "compliance is not symmetric",
+    "Rising": "compliance gives way against a load",
+    "Light": "joint_inertia is not symmetric and positive definite",
+    "Certain": "leaves its enclosure",
+}
+REGION = ([-0.5, -0.5], [0.5, 0.5])
+
+
+def test_the_machine_that_the_faults_are_planted_in_conforms() -> None:
+    check_manipulator(Slider(), REGION)
+
+
+@pytest.mark.parametrize("fault", MACHINES)
+def test_a_fault_of_a_machine_is_caught(fault: str) -> None:
+    machine = getattr(Wrong, fault)
+    machine.__qualname__ = f"Wrong.{fault}"
+    with pytest.raises((Nonconformity, PluginFault), match=MACHINES[fault]):
+        check_manipulator(machine(), REGION)
+
+
+class Height(Measure):
+    """Distance of the tool from the x axis and one metre more, times a factor."""
+
+    factor: Number = 1.0
+    """By what it is multiplied."""
+    unit: ClassVar[str] = "m"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    least: ClassVar[float] = 0.0
+
+    def values(self, manipulator: Any, poses: Any) -> Any:  # noqa: ARG002
+        """1 + |y|."""
+        return self.factor * (1 + np.abs(poses[:, 1]))
+
+
+class WrongMeasure:
+    class Unknown(Height):
+        """A unit that nobody knows."""
+
+        unit: ClassVar[str] = "parsec"
+
+    class Sides(Height):
+        """No side."""
+
+        sides: ClassVar[frozenset[str]] = frozenset({"above"})
+
+    class Whole(Height):
+        """Numbers that are not floats."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            return super().values(manipulator, poses).astype(int)
+
+    class Holes(Height):
+        """No value at some poses."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            return np.where(poses[:, 0] > 0.1, np.nan, super().values(manipulator, poses))
+
+    class Company(Height):
+        """A pose's value depends on the others."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            return super().values(manipulator, poses) + poses.mean()
+
+    class Swapped(Height):
+        """The greatest first."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            value = super().values(manipulator, poses)
+            return np.stack([value + 1, value], axis=1)
+
+    class Below(Height):
+        """Values below its least."""
+
+        least: ClassVar[float] = 1.2
+
+    class Certain(Height):
+        """An enclosure that is too narrow."""
+
+        def enclosure(self, manipulator: Any, boxes: Any) -> Any:
+            from orthospec.intervals import Interval
+
+            values = self.values(manipulator, boxes.centres)
+            return Interval(values, values)
+
+    class Lenient(Height):
+        """A form that holds where the bound does not."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            inside = np.log(0.5 * self.values(manipulator, poses))[:, None]
+            from orthospec.measures import logarithm
+
+            return ConvexForm(inside, lambda x, bound, slack: [x <= logarithm(bound) + slack])
+
+    class Absolute(Height):
+        """A form whose slack is not relative."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            inside = self.values(manipulator, poses)[:, None]
+            return ConvexForm(inside, lambda x, bound, slack: [x <= bound + 1000 * slack])
+
+
+MEASURES_WITH_FAULTS = {
+    "Unknown": "unit 'parsec'",
+    "Sides": "at_least, at_most or both",
+    "Whole": "floats .* are owed",
+    "Holes": r"the value is NaN at \(.*\), well within the reach",
+    "Company": "alone and",
+    "Swapped": "the least value exceeds the greatest",
+    "Below": "the value is below 'least'",
+    "Certain": "the value leaves its enclosure",
+    "Lenient": "the form of at_most needs a slack of",
+    "Absolute": "the form of at_most needs a slack of",
+}
+
+
+def test_the_measure_that_the_faults_are_planted_in_conforms() -> None:
+    check_measure(Height(), Slider(), REGION)
+
+
+@pytest.mark.parametrize("fault", MEASURES_WITH_FAULTS)
+def test_a_fault_of_a_measure_is_caught(fault: str) -> None:
+    with pytest.raises(Nonconformity, match=MEASURES_WITH_FAULTS[fault]):
+        check_measure(getattr(WrongMeasure, fault)(), Slider(), REGION)
+
+
+def test_a_machine_without_an_end_asks_for_a_region() -> None:
+    class Endless(Slider):
+        """Reaches everything."""
+
+        def reach(self, poses: Any) -> Any:
+            return {"all": np.ones(len(poses))}
+
+    with pytest.raises(Nonconformity, match=r"give the test a region=\(low, high\)"):
+        check_manipulator(Endless())
