@@ -1,9 +1,10 @@
 """Design optimisation of parallel manipulators from a spec file.
 
 >>> spec = load_spec(Path("specs/orthoglide-200.yaml"))
->>> outcome = solve(spec)
->>> outcome.finding.design.values
+>>> study = run(spec)
+>>> study.variables
 {'leg': 0.31058...}
+>>> study.save("runs/orthoglide-200")
 
 The names below are loaded when first used, so that importing this package costs nothing.
 """
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from orthospec.optimise import Outcome, evaluate_spec, solve
     from orthospec.result import Finding, compose, read_result, write_result
     from orthospec.spec import Design, Spec, load_spec
+    from orthospec.study import Study, evaluate, open_study, run
 
 _HOMES = {
     "errors": ("OrthospecError", "PluginFault", "SpecError", "UnbuildableDesign", "UsageError"),
@@ -28,6 +30,7 @@ _HOMES = {
     "spec": ("Design", "Spec", "load_spec"),
     "result": ("Finding", "compose", "read_result", "write_result"),
     "optimise": ("Outcome", "evaluate_spec", "solve"),
+    "study": ("Study", "evaluate", "open_study", "run"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -43,12 +46,16 @@ __all__ = [
     "Skeleton",
     "Spec",
     "SpecError",
+    "Study",
     "UnbuildableDesign",
     "UsageError",
     "compose",
+    "evaluate",
     "evaluate_spec",
     "load_spec",
+    "open_study",
     "read_result",
+    "run",
     "solve",
     "write_result",
 ]

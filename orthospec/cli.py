@@ -369,6 +369,26 @@ def preview(
 
 
 @_command
+def export(
+    result: ResultPath,
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...",
+            help="By name: fields.nc, fields.zarr, fields.vti, cuboid.stl, largest.stl, workspace.stl,"
+            " machine.glb, machine.xml (MuJoCo), designs.csv; or with more before it, as before-fields.nc.",
+        ),
+    ],
+) -> int:
+    """Write fields, surfaces, the machine or a table for others."""
+    from orthospec.study import open_study
+
+    for file in open_study(result).export(*files):
+        _print(f"Written to {file}")
+    return DONE
+
+
+@_command
 def diff(
     both: Annotated[
         list[str],

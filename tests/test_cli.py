@@ -262,7 +262,7 @@ def test_plugins_explain_and_schema_print() -> None:
 def test_version_and_help() -> None:
     assert _orthospec("--version").stdout.startswith("orthospec 0.")
     text = _orthospec("--help").stdout
-    commands = ["init", "run", "check", "plan", "evaluate", "show", "report", "preview", "diff"]
+    commands = ["init", "run", "check", "plan", "evaluate", "show", "report", "preview", "export", "diff"]
     commands += ["plugins", "explain", "new-plugin", "schema"]
     listed = [line.split()[0] for line in text.partition("Commands:\n")[2].splitlines()]
     assert listed == commands

@@ -170,20 +170,20 @@ class PrismaticManipulator(Manipulator):
 
     def joint_inertia(self, poses: Poses) -> Matrices:
         """D (n, 3, 3) [kg]: sliders and feet, legs as uniform bars, platform, tool and payload."""
-        return prismatic_inertia.joint_inertia(self.geometry, self._masses, self._jacobian(poses))
+        return prismatic_inertia.joint_inertia(self.geometry, self.masses, self._jacobian(poses))
 
     def rest_load(self, poses: Poses) -> Joints:
         """The slider forces (n, 3) [N] that hold the machine against gravity."""
         if not any(self.gravity):
             return np.zeros((len(poses), 3))
         return prismatic_inertia.rest_load(
-            self.geometry, self._masses, self._jacobian(poses), np.array(self.gravity)
+            self.geometry, self.masses, self._jacobian(poses), np.array(self.gravity)
         )
 
     def velocity_forces(self, poses: Poses) -> Array:
         """Q (n, 3, 3, 3) [kg/m]: slider i is pushed with ṗᵀ Q_i ṗ at a constant tool velocity ṗ."""
         return prismatic_inertia.velocity_forces(
-            self.geometry, self._masses, self.closed_legs(poses), self._jacobian(poses)
+            self.geometry, self.masses, self.closed_legs(poses), self._jacobian(poses)
         )
 
     def actuator_limits(self) -> ActuatorLimits:
@@ -197,7 +197,8 @@ class PrismaticManipulator(Manipulator):
         return ActuatorLimits(forces, speeds, friction)
 
     @cached_property
-    def _masses(self) -> prismatic_inertia.Masses:
+    def masses(self) -> prismatic_inertia.Masses:
+        """Of what moves [kg]; what is not given has none."""
         return prismatic_inertia.Masses(
             sliders=self._slider_mass,
             legs=np.stack(self._leg_masses).reshape(3, -1).T,
@@ -266,7 +267,7 @@ class PrismaticManipulator(Manipulator):
         machine = self.geometry
         ends = machine.bases[:, None, :, 0] + joint_ranges[:, :, None] * machine.axes[:, None, :]
         room = np.ptp(ends.reshape(-1, 3), axis=0)
-        masses = self._masses
+        masses = self.masses
         moving = 3 * masses.sliders + float(masses.legs.sum()) + masses.platform
         found = {
             "leg_length_total": float(sum(self.leg_lengths)),

@@ -84,6 +84,15 @@ def report(solution: Solution) -> str:
     )
 
 
+def summary(solution: Solution) -> str:
+    """The status and the tables of goals, design and limits, to stand in another page: a notebook's, say."""
+    subject = Subject(solution)
+    shown = [rows for rows in tables(subject) if rows.name in ("goals", "variables", "measures", "limits")]
+    title = subject.result.title or str(subject.result.manipulator["use"])
+    parts = [f"<p><strong>{escaped(title)}</strong><br>{escaped(words.status(subject.result)[1])}</p>"]
+    return "<div>" + "\n".join([*parts, *(_table(rows) for rows in shown)]) + "</div>"
+
+
 def _status(subject: Subject) -> Iterator[str]:
     manner, said = words.status(subject.result)
     yield f'<p class="status {manner}">{escaped(said)}</p>\n'

@@ -1,0 +1,184 @@
+"""Files for other programs, read back by other programs."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orthospec.errors import UsageError
+from orthospec.exchange import KINDS, export
+from orthospec.solution import Solution
+from orthospec.spec import Spec
+from orthospec.study import Study, evaluate
+
+mujoco = pytest.importorskip("mujoco")
+trimesh = pytest.importorskip("trimesh")
+xarray = pytest.importorskip("xarray")
+
+SPEC = """
+orthospec: 1
+title: An Orthoglide to hand on
+variables: {leg: {min: 0.3, max: 0.5, start: 0.4}}
+manipulator:
+  use: orthoglide
+  leg_lengths: [leg, leg, leg]
+  legs: {kind: PRPaR, section: {round: {diameter: 20 mm}}, material: steel, spacing: 60 mm}
+  actuators: {stiffness: 1e7, mass: 2 kg}
+  platform: {mass: 1 kg}
+  gravity: [0, 0, -9.81]
+workspace: {size: [0.1, 0.1, 0.05], divisions: 2}
+measures:
+  transmission: {use: velocity_transmission, at_least: 0.4, at_most: 2.5}
+  stiffness: {use: stiffness, at_least: 1e5}
+sweep: {variable: leg, from: 0.35, to: 0.45, points: 3}
+"""
+
+
+@pytest.fixture(scope="module")
+def study(spec_of: Callable[..., Spec]) -> Study:
+    return evaluate(spec_of(SPEC))
+
+
+def test_a_dataset_has_the_measures_with_units_bounds_and_coordinates(study: Study) -> None:
+    data = study.fields()
+    assert data["transmission"].dims == ("x", "y", "z", "end")
+    assert data["stiffness"].attrs["units"] == "N/m"
+    assert data["transmission"].attrs["bound_at_most"] == 2.5
+    assert data.attrs["variable_leg"] == 0.4
+    at = {"x": 0.05, "y": 0.0, "z": -0.025}
+    found = data.sel(at, method="nearest")
+    pose = np.array([[float(found[axis]) for axis in "xyz"]])
+    (demand, other) = study.design.demands  # type: ignore[union-attr]
+    np.testing.assert_allclose(found["transmission"], demand.measure.values(study.manipulator, pose)[0])
+    np.testing.assert_allclose(found["stiffness"], other.measure.values(study.manipulator, pose)[0])
+    assert np.isnan(data["stiffness"]).any()
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_fields_are_read_back_from_netcdf_and_zarr(study: Study, tmp_path: Path) -> None:
+    made = study.fields()
+    study.export(tmp_path / "fields.nc", tmp_path / "fields.zarr")
+    with xarray.open_dataset(tmp_path / "fields.nc", engine="scipy") as read:
+        np.testing.assert_array_equal(read["transmission"], made["transmission"])
+        assert read["x"].attrs["units"] == "m"
+    read = xarray.open_zarr(tmp_path / "fields.zarr", consolidated=False)
+    np.testing.assert_array_equal(read["stiffness"], made["stiffness"])
+
+
+def test_image_data_have_the_grid_and_the_values(study: Study, tmp_path: Path) -> None:
+    from xml.etree import ElementTree
+
+    file = tmp_path / "fields.vti"
+    study.export(file)
+    head, _, rest = file.read_bytes().partition(b'<AppendedData encoding="raw">')
+    root = ElementTree.fromstring(head + b"</VTKFile>")
+    image = root.find("ImageData")
+    assert image is not None
+    made = study.fields()
+    spacing = [float(made[axis][1] - made[axis][0]) for axis in "xyz"]
+    np.testing.assert_allclose([float(x) for x in image.attrib["Spacing"].split()], spacing)
+    extent = [int(x) for x in image.attrib["WholeExtent"].split()]
+    assert extent[1::2] == [made.sizes[axis] - 1 for axis in "xyz"]
+    arrays = {one.attrib["Name"]: int(one.attrib["offset"]) for one in root.iter("DataArray")}
+    assert {"transmission_least", "transmission_greatest", "stiffness", "reach"} == set(arrays)
+    data = rest[rest.index(b"_") + 1 :]
+    start = arrays["stiffness"] + 8
+    values = np.frombuffer(data[start : start + 8 * made["stiffness"].size])
+    np.testing.assert_array_equal(values, made["stiffness"].values.ravel(order="F"))
+
+
+def test_cuboid_and_workspace_are_watertight_in_millimetres(study: Study, tmp_path: Path) -> None:
+    study.export(tmp_path / "cuboid.stl", tmp_path / "workspace.stl")
+    box = trimesh.load_mesh(tmp_path / "cuboid.stl")
+    assert box.is_watertight
+    assert box.volume == pytest.approx(100 * 100 * 50)
+    place = study.result.workspace.prescribed
+    assert place is not None
+    np.testing.assert_allclose(box.bounds, 1000 * np.array([place.min, place.max]), atol=1e-3)
+    whole = trimesh.load_mesh(tmp_path / "workspace.stl")
+    assert whole.is_watertight
+    assert whole.volume > box.volume
+
+
+def test_the_machine_in_gltf_has_its_bars(study: Study, tmp_path: Path) -> None:
+    study.export(tmp_path / "machine.glb")
+    scene = trimesh.load_scene(tmp_path / "machine.glb")
+    drawn = study.manipulator.skeleton(np.zeros((1, 3)))
+    assert set(scene.geometry) == set(drawn.names)
+    bar = scene.geometry["bar_left_1"]
+    assert max(bar.extents) == pytest.approx(0.4, rel=0.05)
+
+
+def test_the_machine_in_mujoco_closes_its_loops_and_follows_its_sliders(study: Study, tmp_path: Path) -> None:
+    """Driven to where the inverse kinematics sends the sliders, the tool gets to the pose."""
+    study.export(tmp_path / "machine.xml")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "machine.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    loops = np.abs(data.efc_pos[: data.ne])
+    assert data.ne == 3 * 2 * 3
+    assert loops.max() < 1e-12
+    assert model.body_mass.sum() == pytest.approx(study.result.indices["total_mass"])
+    place = study.result.workspace.prescribed
+    assert place is not None
+    tool = np.mean([place.min, place.max], axis=0)
+    goal = tool + np.array([0.02, -0.015, 0.01])
+    start, end = (study.manipulator.inverse_kinematics(pose[None])[0][0] for pose in (tool, goal))
+    np.testing.assert_allclose(data.qpos[[model.joint(f"slide_{i}").qposadr[0] for i in (1, 2, 3)]], start)
+    model.opt.gravity[:] = 0
+    for step in range(4000):
+        part = min(step / 2000, 1.0)
+        data.ctrl[:] = (1 - part) * start + part * end
+        mujoco.mj_step(model, data)
+    np.testing.assert_allclose(data.site("tool").xpos, goal, atol=1e-5)
+
+
+def test_designs_are_a_table_whose_numbers_read_back(study: Study, tmp_path: Path) -> None:
+    study.export(tmp_path / "designs.csv")
+    rows = list(csv.DictReader((tmp_path / "designs.csv").read_text().splitlines()))
+    assert [row["design"] for row in rows] == ["evaluated", "sweep 1", "sweep 2", "sweep 3"]
+    assert [float(row["leg"]) for row in rows] == [0.4, *(one.variables["leg"] for one in study.result.sweep)]
+    highest = study.result.workspace.measures["transmission"].highest
+    assert highest is not None
+    assert float(rows[0]["transmission highest"]) == highest.value
+    assert float(rows[0]["total_mass [kg]"]) == study.result.indices["total_mass"]
+
+
+@pytest.mark.parametrize(
+    "name", ["cuboid.stl", "machine.glb", "machine.xml", "designs.csv", "fields.vti", "fields.nc"]
+)
+def test_a_file_has_the_same_bytes_each_time(study: Study, tmp_path: Path, name: str) -> None:
+    first, second = (study.export(tmp_path / folder / name)[0].read_bytes() for folder in ("a", "b"))
+    assert first == second
+
+
+def test_a_name_says_what_is_written_and_may_have_more_before_it(study: Study, tmp_path: Path) -> None:
+    export(study, [tmp_path / "before-designs.csv", tmp_path / "deep" / "after_designs.csv"])
+    assert (tmp_path / "before-designs.csv").read_bytes() == (
+        tmp_path / "deep" / "after_designs.csv"
+    ).read_bytes()
+    with pytest.raises(UsageError, match=r"fields\.vti .*ParaView") as caught:
+        export(study, [tmp_path / "mydesigns.xls"])
+    assert all(name in str(caught.value) for name in KINDS)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["before-designs.csv", "deep"]
+
+
+def test_a_missing_library_is_told_with_what_to_install(
+    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(UsageError, match=r"needs trimesh: pip install 'orthospec\[exchange\]'"):
+        export(study, [tmp_path / "cuboid.stl"])
+
+
+@pytest.mark.parametrize("name", ["fields.nc", "fields.vti", "workspace.stl", "machine.glb", "machine.xml"])
+def test_what_is_not_known_is_said_and_nothing_is_left(study: Study, tmp_path: Path, name: str) -> None:
+    with pytest.raises(UsageError, match=r"not known|prismatic legs"):
+        export(Solution(study.content, None), [tmp_path / name])
+    assert list(tmp_path.iterdir()) == []
