@@ -179,6 +179,31 @@ def test_report_is_written_anew_where_it_is_wanted(spec: Path) -> None:
     assert "cannot be written" in _orthospec("report", "out", "-o", f"{spec.name}/page.html", code=2).stderr
 
 
+def test_quiet_says_nothing_and_verbose_tells_times_and_versions(spec: Path) -> None:
+    assert _orthospec("evaluate", spec.name, "-q").stderr == ""
+    told = _orthospec("evaluate", spec.name, "--verbose").stderr
+    assert "evaluate: " in told
+    assert "with orthospec 0." in told
+    assert "kernels for " in told
+
+
+def test_check_gives_places_for_programs(spec: Path) -> None:
+    bad = spec.with_name("bad.yaml")
+    bad.write_text(SPEC.replace("use: orthoglide", "use: orthoglyde"))
+    content = json.loads(_orthospec("check", spec.name, bad.name, "missing.yaml", "--json", code=2).stdout)
+    assert [one["ok"] for one in content] == [True, False, False]
+    (mistake,) = content[1]["mistakes"]
+    assert (mistake["file"], mistake["line"]) == ("bad.yaml", 5)
+    assert "did you mean 'orthoglide'" in mistake["message"]
+    assert content[2]["mistakes"][0]["line"] == 0
+
+
+def test_explain_gives_keys_and_units_for_programs() -> None:
+    (entry,) = json.loads(_orthospec("explain", "deflection", "--json").stdout)
+    assert (entry["kind"], entry["unit"], entry["sides"]) == ("measure", "m", ["at_most"])
+    assert {"force", "wrench"} <= {key["name"] for key in entry["keys"]}
+
+
 def test_preview_is_written_anew_where_it_is_wanted(spec: Path) -> None:
     _orthospec("evaluate", spec.name, "-o", "out")
     Path("out/preview.html").unlink()

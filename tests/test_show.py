@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orthospec.errors import UsageError
-from orthospec.show import ProgressLine, explain, installed, show, show_installed
+from orthospec.show import ProgressLine, Silence, explain, installed, show, show_installed
 from orthospec.show.numbers import Numbers
 from orthospec.show.page import Page
 from orthospec.spec import Spec, load_spec
@@ -341,7 +341,13 @@ def test_progress_is_a_plain_line_now_and_then_elsewhere() -> None:
     with ProgressLine(stream, _clock(0, 1, 6, 7)) as progress:
         for done in (1, 2, 3):
             progress("grid", done, 4)
-    assert stream.getvalue() == "grid 50 %, 6 s\n"
+    assert stream.getvalue() == "grid 50 %, 6 s, this step some 10 s more\n"
+
+
+def test_silence_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    with Silence() as progress:
+        progress("grid", 1, 4)
+    assert capsys.readouterr() == ("", "")
 
 
 def test_limits_alike_are_told_together_and_those_without_a_price_in_one_sentence(spec: Spec) -> None:

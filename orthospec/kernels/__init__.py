@@ -25,6 +25,7 @@ __all__ = [
     "close_legs",
     "cube_sizes",
     "gram_eigenvalues",
+    "instruction_set",
     "leg_margins",
     "singular_values",
     "symmetric_eigenvalues",
@@ -114,6 +115,11 @@ def leg_margins(scales: Array, s: Array, closing: Array) -> Array:
     margins = np.empty((5, closing.shape[1]))
     _kernels.leg_margins(scales, s, closing, margins)
     return margins
+
+
+def instruction_set() -> str:
+    """The best for which there are kernels and which this processor has."""
+    return _kernels.instruction_sets()[0]
 
 
 def _square(matrices: Matrices) -> Matrices:

@@ -18,7 +18,7 @@ from orthospec.show.result import is_small
 from orthospec.show.units import unit_at
 from orthospec.show.words import counted
 
-_HEADINGS = {
+HEADINGS = {
     "status": "Status",
     "attainment": "Goals",
     "variables": "Design variables",
@@ -61,6 +61,12 @@ def show_diff(found: Comparison, *, changed: bool, width: int, colour: bool) -> 
     return str(page)
 
 
+def lines_of(found: Comparison, rows: Iterable[Row]) -> list[Line]:
+    """Rows of a comparison as text, those that say the same in one."""
+    writer = _Writer(Page(width=80, colour=False), found, *_known(found))
+    return list(_folded(map(writer._line, rows)))
+
+
 def _known(found: Comparison) -> tuple[tuple[Labels, Labels], Numbers]:
     """What B's names mean, then A's; and numbers in the unit of length that suits both."""
     both = [(side, _labels(side)) for side in (found.b, found.a)]
@@ -89,7 +95,7 @@ def _of_interest(found: Comparison) -> Iterator[Row]:
 
 
 @dataclass(frozen=True)
-class _Line:
+class Line:
     """A row as text: the cells of a table, or words with what leads them."""
 
     label: str
@@ -113,14 +119,14 @@ class _Writer:
         whole = _widths([line for lines in texts.values() for line in lines])
         with_head = next((name for name, lines in texts.items() if any(line.cells for line in lines)), None)
         for name, lines in texts.items():
-            self.page.heading(_HEADINGS.get(name, name) if self.found.a.kind == "result" else name)
-            head = [_Line("", ("A", "B", "B - A", ""), manner="dim")] if name == with_head else []
+            self.page.heading(HEADINGS.get(name, name) if self.found.a.kind == "result" else name)
+            head = [Line("", ("A", "B", "B - A", ""), manner="dim")] if name == with_head else []
             fitting, widths = (lines, whole) if self._fits(whole) else self._narrow(lines)
             for line in head + fitting:
                 self._row(line, widths)
         self._rest()
 
-    def _narrow(self, lines: list[_Line]) -> tuple[list[_Line], list[int]]:
+    def _narrow(self, lines: list[Line]) -> tuple[list[Line], list[int]]:
         """A section by itself and, where that is too wide, with A's unit left to B."""
         widths = _widths(lines)
         if not self._fits(widths):
@@ -130,7 +136,7 @@ class _Writer:
     def _fits(self, widths: list[int]) -> bool:
         return self.page.fits(sum(widths) + 2 * len(widths))
 
-    def _row(self, line: _Line, widths: list[int]) -> None:
+    def _row(self, line: Line, widths: list[int]) -> None:
         """The text beside its label or, where the terminal is too narrow for that, below."""
         label, led, text = line.label.ljust(widths[0]), line.words[:-1], "".join(line.words[-1:])
         if line.cells:
@@ -153,19 +159,19 @@ class _Writer:
         self.page.gap()
         self.page.sentence(said, indent=0)
 
-    def _line(self, row: Row) -> tuple[Path, _Line]:
+    def _line(self, row: Row) -> tuple[Path, Line]:
         label, unit = _label(row.path), self._unit(row)
         if row.state in _WORDS:
             said, manner = _WORDS[row.state]
             value = self._value(row.a if row.state == "removed" else row.b, unit, row.path)
-            return row.path, _Line(label, words=(said, value), manner=manner)
+            return row.path, Line(label, words=(said, value), manner=manner)
         a, b = self._value(row.a, unit, row.path), self._value(row.b, unit, row.path)
         if row.difference is None:
-            return row.path, _Line(label, words=(a if row.state == "same" else f"{a} -> {b}",))
+            return row.path, Line(label, words=(a if row.state == "same" else f"{a} -> {b}",))
         if row.state == "same":
-            return row.path, _Line(label, (a, b, "same", ""), manner="dim")
+            return row.path, Line(label, (a, b, "same", ""), manner="dim")
         part = "" if row.relative is None else _percent(row.relative)
-        return row.path, _Line(label, (a, b, _signed(self.numbers.value(row.difference, unit)), part))
+        return row.path, Line(label, (a, b, _signed(self.numbers.value(row.difference, unit)), part))
 
     def _unit(self, row: Row) -> str:
         units = [unit for unit in (unit_at(row.path, known) for known in self.known) if unit != UNKNOWN]
@@ -193,7 +199,7 @@ class _Writer:
         return f"[{text}]" if isinstance(value, list | tuple) else text
 
 
-def _folded(lines: Iterable[tuple[Path, _Line]]) -> Iterator[_Line]:
+def _folded(lines: Iterable[tuple[Path, Line]]) -> Iterator[Line]:
     """Items of a list, and indices of equal legs, that say the same in one line: ``leg_lengths.0 ... 2``."""
     for _, group in itertools.groupby(lines, key=_alike):
         several = list(group)
@@ -201,7 +207,7 @@ def _folded(lines: Iterable[tuple[Path, _Line]]) -> Iterator[_Line]:
         yield line if len(several) == 1 else replace(line, label=f"{line.label} ... {last}")
 
 
-def _alike(one: tuple[Path, _Line]) -> tuple[Any, ...]:
+def _alike(one: tuple[Path, Line]) -> tuple[Any, ...]:
     path, line = one
     if isinstance(path[-1], int):
         return (path[:-1], line.cells, line.words)
@@ -230,7 +236,7 @@ def _one_unit(cells: tuple[str, ...]) -> tuple[str, ...]:
     return (a, *cells[1:]) if unit == other else cells
 
 
-def _widths(lines: list[_Line]) -> list[int]:
+def _widths(lines: list[Line]) -> list[int]:
     """Of the label, and of four columns of numbers."""
     rows = [line.cells for line in lines if line.cells]
     return [

@@ -51,11 +51,56 @@ def show_installed(entries: list[dict[str, str]], *, width: int, colour: bool) -
     return str(page)
 
 
-def explain(name: str, *, width: int, colour: bool) -> str:
-    """What is known of one name; `UsageError`, with all names, for one that is not installed."""
+def explained(name: str) -> list[dict[str, Any]]:
+    """What is known of one name as plain data, one entry for each group that has it."""
+    from orthospec.measures import Measure
+
+    found = []
+    for group in _groups(name):
+        owner, made_of = registry.distribution_of(group, name), _load(group, name)
+        facts: dict[str, Any]
+        if issubclass(made_of, Measure):
+            facts = {"unit": made_of.unit, "sides": sorted(made_of.sides), "needs": sorted(made_of.needs)}
+        else:
+            facts = {
+                "axes": list(made_of.axes),
+                "joint_units": list(made_of.joint_units),
+                "index_units": dict(made_of.index_units),
+            }
+        keys = [
+            {
+                "name": ".".join(key.path),
+                "units": list(key.units),
+                "required": key.required,
+                "default": key.default,
+                "meaning": key.meaning,
+            }
+            for key in keys_of(made_of).every()
+        ]
+        found.append(
+            {
+                "name": name,
+                "kind": KINDS[group],
+                "distribution": owner.distribution,
+                "version": owner.version,
+                "description": inspect.cleandoc(made_of.__doc__ or ""),
+                **facts,
+                "keys": keys,
+            }
+        )
+    return found
+
+
+def _groups(name: str) -> list[str]:
     groups = [group for group in KINDS if name in registry.names(group)]
     if not groups:
         raise UsageError(_unknown(name))
+    return groups
+
+
+def explain(name: str, *, width: int, colour: bool) -> str:
+    """What is known of one name; `UsageError`, with all names, for one that is not installed."""
+    groups = _groups(name)
     page = Page(width=width, colour=colour)
     for group in groups:
         owner = registry.distribution_of(group, name)
