@@ -1,11 +1,12 @@
 """Make the pictures of pages in docs/screens anew: python docs/screens.py
 
-Needs the extra `test` and Chromium.
+Needs the extras `test` and `docs`, the plugins, and Chromium.
 The specs are solved first, into a temporary folder; that takes a minute.
 """
 
 from __future__ import annotations
 
+import io
 import shutil
 import subprocess
 import sys
@@ -15,9 +16,17 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
+from rich.console import Console
+from rich.text import Text
+
+from orthospec.cli.command import WIDEST
+from orthospec.report.style import styled
+from orthospec.result import read_result, spec_of
+from orthospec.show import show
+from orthospec.study import open_study
 
 HERE = Path(__file__).parent
-SPECS = HERE.parent / "specs"
+ROOT = HERE.parent
 COLOURS = 128
 """Of a picture, so that it stays small."""
 REPORTS: dict[str, tuple[str, dict[str, Any], int]] = {
@@ -32,6 +41,7 @@ REPORTS: dict[str, tuple[str, dict[str, Any], int]] = {
 PREVIEWS: dict[str, tuple[str, str, int, int]] = {
     "preview-orthoglide": ("orthoglide-200-drives", "light", 1, 12),
     "preview-linear-delta": ("linear-delta-300", "dark", 0, 30),
+    "preview-rotary-delta": ("rotary-delta-pick", "light", 1, 20),
 }
 """Which spec, on which screen, the number of the measure shown, and where the tool is."""
 
@@ -39,9 +49,27 @@ PREVIEWS: dict[str, tuple[str, str, int, int]] = {
 def solved(spec: str, folder: Path) -> Path:
     result = folder / spec
     if not result.exists():
-        command = [sys.executable, "-m", "orthospec", "run", str(SPECS / f"{spec}.yaml"), "-o", str(result)]
+        (path,) = [*ROOT.glob(f"specs/{spec}.yaml"), *ROOT.glob(f"plugins/*/specs/{spec}.yaml")]
+        command = [sys.executable, "-m", "orthospec", "run", str(path), "-o", str(result), "-q"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return result
+
+
+def terminal(result: Path, columns: int, file: Path) -> None:
+    """What `orthospec show` prints on a terminal so wide, in its colours."""
+    content = read_result(result)
+    text = show(content, spec=spec_of(result), width=min(columns, WIDEST), colour=True)
+    console = Console(record=True, width=columns, file=io.StringIO(), force_terminal=True)
+    console.print(Text.from_ansi("\n".join(text.splitlines()[:60])))
+    file.write_text(console.export_svg(title=f"orthospec show, {columns} columns"), encoding="utf-8")
+
+
+def machine(result: Path, file: Path) -> None:
+    """The drawing of the machine in a report, by itself."""
+    with styled():
+        figure = open_study(result).drawings()["machine"].figure
+        figure.savefig(file, dpi=110, facecolor="white", metadata={"Software": None})
+    small(file)
 
 
 def small(path: Path) -> None:
@@ -55,6 +83,12 @@ def main() -> None:
     options = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with tempfile.TemporaryDirectory() as scratch, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=options)
+        for columns in (80, 120):
+            terminal(
+                solved("orthoglide-200", Path(scratch)), columns, HERE / "screens" / f"terminal-{columns}.svg"
+            )
+        for name, spec in (("orthoglide", "orthoglide-200-drives"), ("linear-delta", "linear-delta-300")):
+            machine(solved(spec, Path(scratch)), HERE / "screens" / f"machine-{name}.png")
         for name, (spec, media, width) in REPORTS.items():
             page = browser.new_page(viewport={"width": width, "height": 1600})
             page.emulate_media(**media)

@@ -41,7 +41,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [
     ROOT / "README.md",
     ROOT / "CHANGELOG.md",
-    *sorted(ROOT.glob("docs/*.md")),
+    *sorted(ROOT.glob("docs/**/*.md")),
     *sorted(ROOT.glob("plugins/*/README.md")),
 ]
 SYMMETRIC = 1.5529143
@@ -201,7 +201,10 @@ def design(name: str, *settings: str, outcome_of: OutcomeOf) -> Mapping[str, flo
 
 
 OUTPUTS = [
-    (note, note, block) for note, block in blocks(ROOT / "README.md", "text") if note.startswith("output")
+    (f"{page.name} {note}", note, block)
+    for page in (ROOT / "README.md", ROOT / "docs" / "tutorial.md")
+    for note, block in blocks(page, "text")
+    if note.startswith("output")
 ]
 
 
