@@ -1,4 +1,4 @@
-"""Make the pictures of pages in docs/screens anew: python docs/screens.py
+"""Make the pictures of previews in docs/screens anew: python docs/screens.py
 
 Needs the extras `test` and `docs`, the plugins, and Chromium.
 The specs are solved first, into a temporary folder; that takes a minute.
@@ -12,7 +12,6 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
@@ -20,7 +19,7 @@ from rich.console import Console
 from rich.text import Text
 
 from orthospec.cli.command import WIDEST
-from orthospec.report.style import styled
+from orthospec.report.canvas import style
 from orthospec.result import read_result, spec_of
 from orthospec.show import show
 from orthospec.study import open_study
@@ -29,15 +28,6 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent
 COLOURS = 128
 """Of a picture, so that it stays small."""
-REPORTS: dict[str, tuple[str, dict[str, Any], int]] = {
-    "report-light": ("orthoglide-200", {"color_scheme": "light"}, 900),
-    "report-dark": ("orthoglide-200-drives", {"color_scheme": "dark"}, 900),
-    "report-phone": ("orthoglide-1x1x0.8-pareto", {"color_scheme": "light"}, 390),
-    "report-print": ("orthoglide-1x1x0.8-pareto", {"media": "print", "color_scheme": "light"}, 794),
-}
-"""Which spec, how it is looked at, and how wide."""
-
-
 PREVIEWS: dict[str, tuple[str, str, int, int]] = {
     "preview-orthoglide": ("orthoglide-200-drives", "light", 1, 12),
     "preview-linear-delta": ("linear-delta-300", "dark", 0, 30),
@@ -66,9 +56,9 @@ def terminal(result: Path, columns: int, file: Path) -> None:
 
 def machine(result: Path, file: Path) -> None:
     """The drawing of the machine in a report, by itself."""
-    with styled():
-        figure = open_study(result).drawings()["machine"].figure
-        figure.savefig(file, dpi=110, facecolor="white", metadata={"Software": None})
+    panel = open_study(result).drawings()["machine-axonometric"]
+    with style():
+        panel.figure.savefig(file, dpi=160, facecolor="white", metadata={"Software": None})
     small(file)
 
 
@@ -89,13 +79,6 @@ def main() -> None:
             )
         for name, spec in (("orthoglide", "orthoglide-200-drives"), ("linear-delta", "linear-delta-300")):
             machine(solved(spec, Path(scratch)), HERE / "screens" / f"machine-{name}.png")
-        for name, (spec, media, width) in REPORTS.items():
-            page = browser.new_page(viewport={"width": width, "height": 1600})
-            page.emulate_media(**media)
-            page.goto((solved(spec, Path(scratch)) / "report.html").resolve().as_uri())
-            page.screenshot(path=HERE / "screens" / f"{name}.png")
-            page.close()
-            small(HERE / "screens" / f"{name}.png")
         for name, (spec, scheme, measure, place) in PREVIEWS.items():
             page = browser.new_page(viewport={"width": 1100, "height": 700})
             page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")

@@ -197,3 +197,16 @@ def test_two_measures_together_have_less_room_than_each_alone(outcome_of):
     assert evaluation.joint.scale / 2 == pytest.approx(0.5838576, abs=5e-8)
     np.testing.assert_allclose(evaluation.joint.cuboid.low, [-0.3481553] * 3, atol=1e-7)
     np.testing.assert_allclose(evaluation.joint.cuboid.high, [0.2357023] * 3, atol=1e-7)
+
+
+def test_steps_of_the_search_end_at_the_design(outcome_of):
+    """λ falls to the one that is told, and no bound is missed at the end."""
+    finding = outcome_of("orthoglide-200").finding
+    assert finding.search is not None
+    assert finding.attainment is not None
+    steps = finding.search.steps
+    assert [one.subproblems for one in steps] == sorted({one.subproblems for one in steps})
+    assert steps[-1].subproblems <= finding.search.subproblems
+    assert steps[-1].factor == pytest.approx(finding.attainment.factor, abs=1e-8)
+    assert steps[0].factor > steps[-1].factor
+    assert steps[-1].violation == 0

@@ -79,9 +79,10 @@ def test_a_saved_study_is_opened_again_the_same(study: Study, tmp_path: Path) ->
 
 def test_drawings_are_matplotlibs_with_their_numbers(study: Study) -> None:
     drawings = study.drawings()
-    assert {"machine", "goals", "prices", "slices-transmission", "surfaces"} <= drawings.keys()
-    assert drawings["goals"].figure.axes
-    assert drawings["goals"].table.rows[0][1] == study.variables["leg"]
+    assert {"machine-top", "limits", "slice-transmission-at-most-xy", "convergence-lambda"} <= drawings.keys()
+    assert drawings["limits"].figure.axes
+    limits = drawings["limits"].data
+    assert limits["gain of lambda by 1 % looser"][0] == study.result.limits[0].gain
 
 
 def test_a_notebook_shows_the_status_and_tables_with_text_as_text(study: Study) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -279,6 +280,7 @@ def _pages(spec: Spec, content: dict[str, Any], log: dict[str, Any]) -> dict[str
     from orthospec.solution import Solution
 
     solution = Solution(content, spec, log)
+    gc.freeze()  # what is there stays: no need to look through it while pages are made
     pages = {}
     for name, make in {REPORT: report, PREVIEW: preview}.items():
         try:

@@ -12,6 +12,7 @@ from orthospec.optimise.objective import Learnt
 from orthospec.optimise.place import Fit, Place, fit_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Stopped, Task, problem_of
+from orthospec.result import Taken
 from orthospec.workspace.conditions import Condition, Extreme
 from orthospec.workspace.evaluate import FINE
 from orthospec.workspace.field import Progress
@@ -66,6 +67,15 @@ class Attained:
     def merit(self) -> float:
         """λ, or the violation where not every bound holds."""
         return self.factor * self.unit if self.feasible else self.violation
+
+    @property
+    def taken(self) -> tuple[Taken, ...]:
+        """Where the solve stood after each step that was taken; beyond nine decimals there is noise."""
+        return tuple(
+            Taken(one.subproblems, round(one.factor * self.unit, 9), round(one.violation, 9))
+            for one in self.iterates
+            if one.accepted
+        )
 
     def beats(self, other: Attained) -> bool:
         """Whether it is the better one, by more than rounding: feasible first, then the lower merit."""

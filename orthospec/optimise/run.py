@@ -151,6 +151,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         branches.combinations,
         branches.records(),
         front_search if catalogues(spec) else None,
+        best.taken if best is not None else (),
     )
     errors = (*known.errors, *left_out)
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)

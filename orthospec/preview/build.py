@@ -9,10 +9,9 @@ import numpy as np
 
 from orthospec.measures.demand import bounded_side
 from orthospec.preview.scene import Ball, Bar, Colour, Group, Lines, Mesh, Scale, Scene, Tool
-from orthospec.report.fields import bound_side, nested
-from orthospec.report.projection import EDGES, corners
-from orthospec.report.style import MAP
-from orthospec.report.subject import Subject
+from orthospec.report.figures.slices import COLOURS as MAP
+from orthospec.report.subject import Subject, bound_side, nested
+from orthospec.report.views import edges
 from orthospec.show import words
 from orthospec.solution import workspace_surface
 from orthospec.workspace.field import measured
@@ -115,8 +114,8 @@ def _tour(d: int) -> Array:
 
 
 def _edges(cuboid: Cuboid) -> Array:
-    space = corners(cuboid)
-    return np.array([[space[a], space[b]] for a, b in EDGES])
+    low, high = (np.pad(np.array(end), (0, 3 - len(end))) for end in (cuboid.low, cuboid.high))
+    return edges(low, high)
 
 
 def _cuboids(scene: Scene, subject: Subject) -> None:

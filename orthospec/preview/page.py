@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from html import escape as escaped
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ import numpy as np
 from orthospec.preview.build import overlaid, scene_of
 from orthospec.preview.scene import Scene
 from orthospec.preview.viewer import ROOT, commands, viewer_source
-from orthospec.report.style import MAP, escaped
+from orthospec.report.figures.slices import COLOURS as MAP
 from orthospec.report.subject import Subject
 from orthospec.show import words
 from orthospec.show.numbers import UNKNOWN

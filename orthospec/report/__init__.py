@@ -1,8 +1,7 @@
-"""A result as one page for people: figures, tables and the sentences that the terminal tells too."""
+"""A solution as one page for people, and its figures and tables for papers."""
 
-from orthospec.report.drawing import Drawing
-from orthospec.report.drawings import drawings
-from orthospec.report.files import write_figures
-from orthospec.report.page import report
+from orthospec.report.page import report, summary
+from orthospec.report.panel import Panel
+from orthospec.report.writing import drawings, write_figures
 
-__all__ = ["Drawing", "drawings", "report", "write_figures"]
+__all__ = ["Panel", "drawings", "report", "summary", "write_figures"]

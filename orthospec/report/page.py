@@ -1,170 +1,146 @@
-"""The report: one page of HTML that needs nothing else, for screens of any size and for paper."""
+"""One self-contained page: what was asked, what came out, what limits it, and where it comes from.
+
+No script, no request, no time and no path: the same bytes for the same result. Figures take their colours
+from the style sheet, light or dark; in a narrow window they stand below each other, and tables scroll.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from importlib.resources import files
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from orthospec.report import style
-from orthospec.report.drawing import Drawing
-from orthospec.report.drawings import drawings
-from orthospec.report.style import escaped
-from orthospec.report.subject import Subject
-from orthospec.report.tables import Rows, tables
-from orthospec.show import words
-from orthospec.show.statements import Statement, statements
+from orthospec.report import sections
+from orthospec.report.asked import asked
+from orthospec.report.canvas import inlined, style
+from orthospec.report.palette import DARK, LIGHT, PAGE, properties
+from orthospec.report.panels import Figures, figures
+from orthospec.show import tables, words
+from orthospec.show.reading import Reading, read
 
 if TYPE_CHECKING:
+    from orthospec.report.panel import Panel
     from orthospec.solution import Solution
 
-HEADINGS = {
-    "goals": "Goals",
-    "design": "The design",
-    "workspace": "Workspace",
-    "measures": "Measures",
-    "limits": "What limits it, and at what price",
-    "conflict": "What conflicts, and what would have to give way",
-    "choices": "Choices",
-    "pareto": "Pareto set",
-    "sweep": "Sweep",
-    "search": "The search",
-    "failures": "Failures",
-    "asked": "What was asked",
-    "provenance": "Where it comes from",
-}
-"""The sections, in order, by the names that ids in the page are made from."""
-IN_SECTION = {
-    "machine": "design",
-    "goals": "goals",
-    "prices": "limits",
-    "pareto": "pareto",
-    "sweep": "sweep",
-    "cuboids": "workspace",
-    "surfaces": "workspace",
-    "convergence": "search",
-}
-"""Where each drawing stands; those of a measure stand with the measures."""
+_TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure and its element."""
+
+    panel: Panel
+    svg: Any
 
 
 def report(solution: Solution) -> str:
-    """The whole page: the same text for the same solution, on any day.
-
-    It loads nothing, runs no script, and tells no time or place.
-    """
-    subject = Subject(solution)
-    with style.styled():
-        figures = {drawing.name: _figure(drawing) for drawing in drawings(subject)}
-    sections = {name: "".join(_section(subject, name, figures)) for name in HEADINGS}
-    shown = {name: body for name, body in sections.items() if body}
-    title = subject.result.title or str(subject.result.manipulator["use"])
-    return "\n".join(
-        [
-            "<!DOCTYPE html>",
-            '<html lang="en">',
-            "<head>",
-            '<meta charset="utf-8">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            '<meta http-equiv="Content-Security-Policy" content="default-src \'none\';'
-            " style-src 'unsafe-inline'; img-src data:\">",
-            f"<title>{escaped(title)}</title>",
-            f"<style>\n{files(__package__).joinpath('page.css').read_text(encoding='utf-8')}</style>",
-            "</head>",
-            "<body>",
-            '<a class="skip" href="#content">To the content</a>',
-            f"<header>\n<h1>{escaped(title)}</h1>\n{''.join(_status(subject))}</header>",
-            _contents(shown),
-            '<main id="content">',
-            *(_headed(name, body) for name, body in shown.items()),
-            "</main>",
-            "</body>",
-            "</html>",
-            "",
-        ]
-    )
+    """The whole page as HTML."""
+    reading = read(solution.result, solution.spec)
+    with style():
+        content = _content(solution, reading, figures(solution, reading))
+    return _rendered("report.html", content)
 
 
 def summary(solution: Solution) -> str:
-    """The status and the tables of goals, design and limits, to stand in another page: a notebook's, say."""
-    subject = Subject(solution)
-    shown = [rows for rows in tables(subject) if rows.name in ("goals", "variables", "measures", "limits")]
-    title = subject.result.title or str(subject.result.manipulator["use"])
-    parts = [f"<p><strong>{escaped(title)}</strong><br>{escaped(words.status(subject.result)[1])}</p>"]
-    return "<div>" + "\n".join([*parts, *(_table(rows) for rows in shown)]) + "</div>"
+    """The status with the main tables, to stand in another page: a notebook's, say."""
+    reading = read(solution.result, solution.spec)
+    goals = [[one.name, one.value, one.goal, one.verdict] for one in tables.goals(reading)]
+    measures = [
+        [f"{name}, {row[0]}", *row[1:]]
+        for name, record in reading.result.workspace.measures.items()
+        for row in tables.measure(reading, name, record)
+    ]
+    limits = sections.limits(reading)
+    every = [
+        tables.Table(["goal", "value", "aimed at", ""], goals),
+        tables.Table(["variable", "value", "range"], tables.variables(reading)),
+        tables.Table(["measure", "value", ""], measures),
+        *([limits["table"]] if limits else []),
+    ]
+    content = {"title": _title(reading), "status": words.status(reading.result)}
+    return _rendered("summary.html", {**content, "tables": [one for one in every if one.rows]})
 
 
-def _status(subject: Subject) -> Iterator[str]:
-    manner, said = words.status(subject.result)
-    yield f'<p class="status {manner}">{escaped(said)}</p>\n'
-    if subject.result.search is not None:
-        yield f'<p class="muted">{escaped(words.searched(subject.result.search))}</p>\n'
+def _title(reading: Reading) -> str:
+    return reading.result.title or str(reading.result.manipulator["use"])
 
 
-def _contents(sections: Iterable[str]) -> str:
-    links = "".join(f'<li><a href="#{name}">{escaped(HEADINGS[name])}</a></li>' for name in sections)
-    return f'<nav aria-label="Contents"><ul>{links}</ul></nav>'
+def _rendered(template: str, content: dict[str, Any]) -> str:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-
-def _headed(name: str, body: str) -> str:
-    heading = f'<h2 id="{name}">{escaped(HEADINGS[name])}</h2>'
-    return f'<section aria-labelledby="{name}">\n{heading}\n{body}</section>'
-
-
-def _section(subject: Subject, name: str, figures: dict[str, str]) -> Iterator[str]:
-    for one in statements(subject.result, subject.known, subject.numbers):
-        if one.section == name:
-            yield _statement(one)
-    for rows in tables(subject):
-        if rows.section == name:
-            yield _table(rows)
-    for drawing, figure in figures.items():
-        if IN_SECTION.get(drawing, "measures") == name:
-            yield figure
-    spec = subject.solution.spec
-    if name == "asked" and spec is not None:
-        source = f'<pre tabindex="0">{escaped(spec.source)}</pre>'
-        yield f"<details><summary>The spec as it was run</summary>\n{source}</details>\n"
-
-
-def _statement(one: Statement) -> str:
-    manner = f' class="{one.manner}"' if one.manner else ""
-    text = f"<span{manner}>{escaped(one.text)}</span>" if manner else escaped(one.text)
-    return f"<p>{text}</p>\n"
-
-
-def _table(rows: Rows) -> str:
-    head = "".join(
-        f'<th scope="col"{_class(k in rows.right)}>{escaped(text) or "<span class=muted>&nbsp;</span>"}</th>'
-        for k, text in enumerate(rows.head)
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=StrictUndefined,
     )
-    body = "".join(_row(rows, row) for row in rows.rows)
-    whole = f"<thead><tr>{head}</tr></thead>" if any(rows.head) else ""
-    return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{escaped(rows.caption)}">'
-        f"<table>{whole}<tbody>{body}</tbody></table></div>\n"
-    )
+    text: str = environment.get_template(template).render(content)
+    return text.lstrip()
 
 
-def _row(rows: Rows, row: Sequence[str]) -> str:
-    first, *rest = row
-    cells = "".join(
-        f"<td{_class(k in rows.right)}>{escaped(text)}</td>" for k, text in enumerate(rest, start=1)
-    )
-    manner = ' class="knee"' if first.endswith("knee") else ""
-    return f'<tr{manner}><th scope="row">{escaped(first)}</th>{cells}</tr>'
+def style_sheet() -> str:
+    """Colours for both schemes and for paper, then the rules."""
+    light = f":root{{{properties(LIGHT)}--bad:#b3261e;--raised:#f5f6f8}}"
+    dark = f":root{{{properties(DARK)}--bad:#ff8a80;--raised:#20252b}}"
+    rules = (_TEMPLATES / "report.css").read_text(encoding="utf-8")
+    schemes = f"{light}@media screen and (prefers-color-scheme:dark){{{dark}}}"
+    return f":root{{color-scheme:light dark}}{schemes}\n{rules}"
 
 
-def _class(right: bool) -> str:
-    return ' class="number"' if right else ""
+def _content(solution: Solution, reading: Reading, shown: Figures) -> dict[str, Any]:
+    from markupsafe import Markup
+
+    def drawn(several: list[Panel]) -> list[Drawn]:
+        return [Drawn(one, Markup(inlined(one.draw(PAGE), one.name))) for one in several]
+
+    result, spec = reading.result, solution.spec
+    alone = ("machine", "cuboids", "limits", "pareto", "sweep", "convergence")
+    content: dict[str, Any] = {
+        "style": Markup(style_sheet()),
+        "title": _title(reading),
+        "status": words.status(result),
+        "searched": words.searched(result.search) if result.search else "",
+        "errors": sections.errors(reading),
+        "goals": sections.goals(reading),
+        "variables": sections.variables(reading),
+        "asked": asked(spec, reading) if spec else [],
+        "spec": spec.source if spec else "",
+        "machine_heading": tables.machine_heading(reading),
+        "machine": tables.machine(reading),
+        "places": sections.places(reading),
+        "measures": sections.measures(reading),
+        "limits": sections.limits(reading),
+        "card": sections.card(reading),
+        "branches": tables.branches(reading),
+        "pareto": sections.pareto(reading),
+        "sweep": sections.sweep(reading),
+        "drawn": {name: drawn(getattr(shown, name)) for name in alone},
+        "fields": [{"title": one.title, "drawn": drawn(one.panels)} for one in shown.fields],
+        "in_space": any(shown.in_space),
+        "notes": shown.notes,
+        "search": sections.search(reading),
+        "provenance": sections.provenance(reading),
+    }
+    return {**content, "contents": _contents(content)}
 
 
-def _figure(drawing: Drawing) -> str:
-    text = style.inline_svg(drawing.figure, drawing.name, drawing.words)
-    for mark, hint in drawing.hints.items():
-        said = f'class="mark" tabindex="0" role="img" aria-label="{escaped(hint)}"'
-        opening = f'<g id="{drawing.name}-{mark}">'
-        text = text.replace(opening, f"{opening[:-1]} {said}><title>{escaped(hint)}</title>", 1)
-    if drawing.hints:  # What is inside an image cannot be reached by the keyboard.
-        text = text.replace('<svg role="img"', '<svg role="group"', 1)
-    caption = f"<figcaption>{escaped(drawing.caption)}</figcaption>"
-    return f'<figure class="wide" id="figure-{drawing.name}">{text}{caption}</figure>\n'
+def _contents(content: dict[str, Any]) -> list[tuple[str, str]]:
+    """The sections that are there, in the page's order."""
+    every = [
+        ("failures", "Failures", content["errors"]),
+        ("found", "What came out", content["goals"] or content["variables"]),
+        ("card", "What would have to give way", content["card"]),
+        ("asked", "What was asked", True),
+        ("machine", "Machine", True),
+        ("workspace", "Workspace", True),
+        ("measures", "Measures", content["measures"]),
+        ("limits-section", content["limits"]["heading"] if content["limits"] else "", content["limits"]),
+        ("choices", "Choices", content["branches"]),
+        ("pareto", "Pareto set", content["pareto"]),
+        ("sweep", "Sweep", content["sweep"]),
+        ("fields", "Fields", content["fields"] or content["notes"]),
+        ("search", "Search", content["search"]),
+        ("provenance", "Provenance", True),
+    ]
+    return [(key, heading) for key, heading, there in every if there]

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from orthospec.errors import OrthospecError
 from orthospec.result.model import Ends
+from orthospec.show import words
 from orthospec.show.labels import Labels, labels
-from orthospec.show.numbers import Numbers, in_unit
-from orthospec.show.result import is_small
+from orthospec.show.numbers import UNKNOWN, Numbers, in_unit
+from orthospec.show.reading import is_small
 from orthospec.solution import Lattice, Solution, sampled
 from orthospec.workspace.cuboid import Cuboid
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from orthospec.arrays import Array
     from orthospec.result.model import Result
     from orthospec.spec import Design
@@ -94,3 +97,40 @@ def cuboid_of(ends: Ends) -> Cuboid | None:
     return Cuboid(
         tuple(float(x) for x in ends.min if x is not None), tuple(float(x) for x in ends.max if x is not None)
     )
+
+
+def bound_side(bounds: Mapping[str, float]) -> str:
+    """The side that is shown of a measure with two: the bounded one."""
+    return "at_least" if "at_least" in bounds and "at_most" not in bounds else "at_most"
+
+
+def nested(subject: Subject) -> list[tuple[str, Cuboid, float]]:
+    """What is known of cuboids, with words, ends and scales; the prescribed one first."""
+    workspace = subject.result.workspace
+    found = [] if subject.place is None else [("prescribed", subject.place, 1.0)]
+    if workspace.joint is not None:
+        found += _one(
+            "largest for all measures", workspace.joint.min, workspace.joint.max, workspace.joint.scale
+        )
+    for name, record in workspace.measures.items():
+        asked = subject.known.measures.get(name)
+        for level in record.levels:
+            given = {side: getattr(level, side) for side in words.SIDES}
+            bound = words.bounds(subject.numbers, given, asked.unit if asked else UNKNOWN)
+            found += _one(f"{name} {bound}", level.min, level.max, level.scale)
+    return _distinct(found)
+
+
+def _distinct(found: list[tuple[str, Cuboid, float]]) -> list[tuple[str, Cuboid, float]]:
+    """Without those that stand where one before them does."""
+    kept: list[tuple[str, Cuboid, float]] = []
+    for one in found:
+        ends = np.array([one[1].low, one[1].high])
+        if not any(np.allclose(ends, [c.low, c.high], rtol=0, atol=1e-4 * c.size.max()) for _, c, _ in kept):
+            kept.append(one)
+    return kept
+
+
+def _one(label: str, low: Any, high: Any, scale: float) -> list[tuple[str, Cuboid, float]]:
+    cuboid = None if not low or not high else cuboid_of(Ends(min=list(low), max=list(high)))
+    return [] if cuboid is None else [(label, cuboid, scale)]

@@ -25,6 +25,7 @@ from orthospec.result.records import (
     PluginError,
     Search,
     Status,
+    Taken,
 )
 
 __all__ = [
@@ -43,6 +44,7 @@ __all__ = [
     "Result",
     "Search",
     "Status",
+    "Taken",
     "check_destination",
     "compose",
     "log_of",

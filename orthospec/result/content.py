@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
-    from orthospec.result.records import Attainment, Branch, Card, Finding, Limit, Search
+    from orthospec.result.records import Attainment, Branch, Card, Finding, Limit, Search, Taken
     from orthospec.spec import Spec
     from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value
     from orthospec.workspace.guarantee import Bracket, Proof
@@ -198,6 +198,7 @@ def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
         "starts": search.starts,
         "subproblems": search.subproblems,
         **_given(
+            steps=[_step(step) for step in search.steps],
             least_violation=None if violation is None else _number(violation),
             conflicts=list(search.conflicts),
             card=None if search.card is None else _card(spec, search.card),
@@ -205,6 +206,14 @@ def _search(spec: Spec, search: Search | None) -> dict[str, Any] | None:
             branches=[_branch(branch) for branch in search.branches],
             pareto=None if search.front is None else asdict(search.front),
         ),
+    }
+
+
+def _step(step: Taken) -> dict[str, Any]:
+    return {
+        "subproblems": step.subproblems,
+        "factor": _number(step.factor),
+        "violation": _number(step.violation),
     }
 
 

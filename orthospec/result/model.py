@@ -120,6 +120,9 @@ class MeasureRecord(_Record):
 
     scale: float | None = None
     grid_scale: float | None = None
+    min: Pose | None = None
+    """Least coordinates of its own largest cuboid."""
+    max: Pose | None = None
     proved: BracketRecord | None = None
     proof: ProofRecord | None = None
     lowest: ValueRecord | None = None
@@ -210,6 +213,16 @@ class FrontSearchRecord(_Record):
     """Points of branches that were not sought: another branch is better there, whatever they come to."""
 
 
+class StepRecord(_Record):
+    """Where a solve stood after so many subproblems."""
+
+    subproblems: int
+    factor: float | None
+    """λ."""
+    violation: float | None
+    """The greatest part by which a bound is missed."""
+
+
 class SearchRecord(_Record):
     """What was searched."""
 
@@ -223,6 +236,8 @@ class SearchRecord(_Record):
     """The best places, solved to the end."""
     subproblems: int
     """Of the solve that was kept."""
+    steps: list[StepRecord] = []
+    """Those of that solve that were taken."""
     least_violation: float | None = None
     conflicts: list[str] = []
     card: CardRecord | None = None

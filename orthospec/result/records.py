@@ -107,6 +107,17 @@ class FrontSearch:
 
 
 @dataclass(frozen=True)
+class Taken:
+    """Where a solve stood after so many subproblems."""
+
+    subproblems: int
+    factor: float
+    """λ."""
+    violation: float
+    """The greatest part by which a bound is missed."""
+
+
+@dataclass(frozen=True)
 class Search:
     """What was searched; nothing here depends on the machine's load."""
 
@@ -132,6 +143,8 @@ class Search:
     """Those that were searched, the best first; none where the spec has no catalogue."""
     front: FrontSearch | None = None
     """For a Pareto set, where the spec has catalogues."""
+    steps: tuple[Taken, ...] = ()
+    """Of the solve that was kept, those that were taken."""
 
 
 @dataclass(frozen=True)

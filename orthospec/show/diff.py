@@ -14,7 +14,7 @@ from orthospec.show.labels import Labels, labels
 from orthospec.show.machine import SMALL
 from orthospec.show.numbers import NOTHING, UNKNOWN, Numbers
 from orthospec.show.page import Page
-from orthospec.show.result import is_small
+from orthospec.show.reading import is_small
 from orthospec.show.units import unit_at
 from orthospec.show.words import counted
 

@@ -77,6 +77,11 @@ class Numbers:
         inner = between.join(text.removesuffix(f" {unit}") if unit else text for text in texts)
         return f"{brackets[:1]}{inner}{brackets[1:]}{_after(unit)}"
 
+    def scale(self, unit: str, numbers: Sequence[float | None]) -> tuple[float, str]:
+        """By what SI numbers of a unit are multiplied to be told, and the unit that they are told in."""
+        name = self.shown(unit, numbers)
+        return in_unit(1.0, name), name
+
     def shown(self, unit: str, numbers: Sequence[float | None]) -> str:
         """The unit in which numbers of this one are told; nothing where it is 1 or not known."""
         if unit == "m":

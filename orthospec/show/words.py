@@ -13,6 +13,7 @@ from orthospec.result.model import (
     DesignRecord,
     FrontSearchRecord,
     LimitRecord,
+    PrescribedRecord,
     ProofRecord,
     SearchRecord,
 )
@@ -23,6 +24,7 @@ from orthospec.spec import Variable
 
 SIDES = {"at_least": "at least", "at_most": "at most"}
 _NODES = {"meets": "meet", "violates": "violate", "unreachable": "out of reach"}
+NO_PLACE = "prescribed cuboid: no place was found for it"
 _NO_CHANGE = 1e-9
 """Prices of λ below this are rounding."""
 
@@ -113,6 +115,11 @@ def holds(one: DesignRecord) -> bool:
     return all(record.prescribed is not None and record.prescribed.holds for record in bounded)
 
 
+def holding(place: PrescribedRecord) -> tuple[str, str]:
+    """In which manner, and with which words, it is told whether all holds in a prescribed cuboid."""
+    return ("good", "every bound holds") if place.holds else ("bad", "not every bound holds")
+
+
 def bounds(numbers: Numbers, given: Mapping[str, float | None], unit: str) -> str:
     """``at least 0.5 and at most 2``."""
     return " and ".join(
@@ -167,6 +174,18 @@ def free(limits: Sequence[LimitRecord]) -> list[LimitRecord]:
     return [one for one in limits if _is_free(one)]
 
 
+def reached_too(limits: Sequence[LimitRecord], known: Labels, numbers: Numbers) -> str:
+    """Those without a price in one sentence; nothing where there are none."""
+    said = [limiting(one, known, numbers) for one in free(limits)]
+    return f"reached too, without gain or cost: {'; '.join(said)}" if said else ""
+
+
+def limits_heading(result: Result) -> str:
+    """What is told of the limits: what they hold back, or that they conflict."""
+    conflict = result.status == "infeasible" or bool(result.search and result.search.conflicts)
+    return "What conflicts" if conflict else "What limits the design"
+
+
 def _is_free(limit: LimitRecord) -> bool:
     return all(price is not None and price < _NO_CHANGE for price in (limit.gain, limit.cost))
 
@@ -198,11 +217,15 @@ def limiting(limit: LimitRecord, known: Labels, numbers: Numbers) -> str:
 
 def price(limit: LimitRecord) -> str:
     """What one per cent is worth, in λ; nothing where neither side has a price."""
+    looser, tighter = prices(limit)
+    return f"1 % looser: {looser}; 1 % tighter: {tighter}" if looser else ""
+
+
+def prices(limit: LimitRecord) -> tuple[str, str]:
+    """What one per cent looser gains and one per cent tighter costs; nothing where neither is known."""
     if limit.gain is None and limit.cost is None:
-        return ""
-    looser = _moved(limit.gain, "no gain", "λ falls by")
-    tighter = _moved(limit.cost, "no cost", "λ rises by")
-    return f"1 % looser: {looser}; 1 % tighter: {tighter}"
+        return "", ""
+    return _moved(limit.gain, "no gain", "λ falls by"), _moved(limit.cost, "no cost", "λ rises by")
 
 
 def within(variable: Variable, unit: str, numbers: Numbers) -> str:
@@ -246,6 +269,12 @@ def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[st
         "goal": known.goals[culprit.name].unit if culprit.name in known.goals else UNKNOWN,
     }.get(culprit.kind, UNKNOWN)
     return said, f"alone: to {numbers.value(culprit.needed, unit)}, {part}"
+
+
+def conflict(card: CardRecord) -> str:
+    """How far the conditions of a conflict were taken apart."""
+    few = "; without any one of them a design was found" if card.irreducible else ""
+    return f"These cannot all hold{few}."
 
 
 def ways_out(card: CardRecord) -> str:

@@ -10,11 +10,7 @@ from typing import TYPE_CHECKING
 from orthospec.errors import UsageError
 from orthospec.optimise import evaluate_spec, solve, with_proof
 from orthospec.preview import preview
-from orthospec.report import drawings, report
-from orthospec.report.drawing import Drawing
-from orthospec.report.page import summary
-from orthospec.report.style import styled
-from orthospec.report.subject import Subject
+from orthospec.report import Panel, drawings, report, summary
 from orthospec.result import PREVIEW, REPORT, write_result
 from orthospec.show import show
 from orthospec.solution import Solution, read_solution, solution_of
@@ -70,10 +66,9 @@ class Study(Solution):
 
         return dataset(self, workers, progress)
 
-    def drawings(self) -> Mapping[str, Drawing]:
-        """The report's figures by name, each a matplotlib figure with its caption and its numbers."""
-        with styled():
-            return {drawing.name: drawing for drawing in drawings(Subject(self))}
+    def drawings(self) -> Mapping[str, Panel]:
+        """The report's figures by name, each a matplotlib figure with its title and its numbers."""
+        return {panel.name: panel for panel in drawings(self)}
 
     def report(self) -> str:
         """The report, a whole page of HTML."""
