@@ -1,0 +1,104 @@
+"""The docs: each page is in the navigation, each command in them exists, each public name is documented."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+import yaml
+
+import orthospec
+from orthospec.cli import app
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    ROOT / "README.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted(ROOT.glob("plugins/*/README.md")),
+]
+MODULES = (
+    "quantities",
+    "kernels",
+    "testing",
+    "exchange",
+    "solution",
+    "report",
+    "preview",
+    "study",
+    "intervals",
+)
+
+
+def site() -> Any:
+    path = ROOT / "docs" / "hooks.py"
+    spec = importlib.util.spec_from_file_location("docs_hooks", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_each_page_is_in_the_navigation_and_each_entry_is_there() -> None:
+    text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    named = set(re.findall(r": ([\w/-]+\.md)$", text, re.MULTILINE))
+    here = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
+    assert named == here | {
+        "index.md",
+        *(name for name in site().generated() if name.startswith("reference/")),
+    }
+    assert yaml.safe_load(text.split("markdown_extensions")[0])["strict"] is True
+
+
+def commands() -> list[tuple[str, str]]:
+    found = []
+    for page in PAGES:
+        for block in re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
+            lines = [line for line in block.splitlines() if line.startswith("orthospec ")]
+            found += [(f"{page.name}: {line}", line) for line in lines]
+    return found
+
+
+@pytest.mark.parametrize("line", [pytest.param(line, id=name) for name, line in commands()])
+def test_each_command_in_the_pages_is_one_with_these_options(line: str) -> None:
+    words = shlex.split(line.partition(" > ")[0].partition(" | ")[0])
+    group = typer.main.get_command(app)
+    command = group.commands[words[1]]  # type: ignore[attr-defined]
+    command.make_context(words[1], words[2:], resilient_parsing=False)
+
+
+def test_the_reference_tells_every_command_key_machine_and_measure() -> None:
+    pages = site().generated()
+    for name in typer.main.get_command(app).commands:  # type: ignore[attr-defined]
+        assert f"## orthospec {name}\n" in pages["reference/commands.md"]
+    for key in ("variables", "manipulator", "workspace", "measures", "goals", "pareto", "proof"):
+        assert f"| `{key}` |" in pages["reference/keys.md"]
+    for name in ("orthoglide", "linear_delta", "deflection", "velocity_transmission", "acceleration"):
+        assert f"## {name}\n" in pages["reference/plugins.md"]
+    assert "| `leg_lengths` | m | Lengths of the legs" in pages["reference/plugins.md"]
+    for name in orthospec.__all__:
+        assert f"::: orthospec.{name}\n" in pages["reference/python.md"]
+
+
+def public() -> list[tuple[str, object]]:
+    found: list[tuple[str, object]] = [(name, getattr(orthospec, name)) for name in orthospec.__all__]
+    for module in MODULES:
+        one = importlib.import_module(f"orthospec.{module}")
+        found += [(f"{module}.{name}", getattr(one, name)) for name in one.__all__]
+    return [(name, one) for name, one in found if inspect.isclass(one) or inspect.isfunction(one)]
+
+
+@pytest.mark.parametrize(("name", "one"), [pytest.param(*case, id=case[0]) for case in public()])
+def test_every_public_name_and_its_public_methods_are_documented(name: str, one: Any) -> None:
+    assert (one.__doc__ or "").strip(), name
+    if inspect.isclass(one):
+        own = [
+            value for key, value in vars(one).items() if not key.startswith("_") and inspect.isfunction(value)
+        ]
+        assert all(inspect.getdoc(value) for value in own), name
