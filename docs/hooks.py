@@ -17,6 +17,22 @@ PARTS = ("specs", "plugins", "benchmarks", "tests/reference", "LICENSE", "CHANGE
 """What of the repository pages link to: it goes to the site as it is."""
 
 
+MODULES = (
+    "quantities",
+    "kernels",
+    "testing",
+    "solution",
+    "report",
+    "preview",
+    "exchange",
+    "study",
+    "intervals",
+    "mechanics.virtual_joints",
+    "mechanics.bars",
+)
+"""Of which the reference tells every public name, beside what `import orthospec` gives."""
+
+
 def on_files(files: Any, config: Any) -> Any:
     """Add the pages that are made, and what they and others link to."""
     from mkdocs.structure.files import File
@@ -173,16 +189,7 @@ def _python() -> str:
 
     parts = ["# Python\n", "What `import orthospec` gives, and the modules for authors of plugins.\n"]
     parts += [f"::: orthospec.{name}\n" for name in orthospec.__all__]
-    modules = (
-        "quantities",
-        "kernels",
-        "testing",
-        "exchange",
-        "intervals",
-        "mechanics.virtual_joints",
-        "mechanics.bars",
-    )
-    parts += [f"::: orthospec.{name}\n" for name in modules]
+    parts += [f"::: orthospec.{name}\n" for name in MODULES]
     return "\n".join(parts)
 
 

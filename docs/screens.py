@@ -7,6 +7,7 @@ The specs are solved first, into a temporary folder; that takes a minute.
 from __future__ import annotations
 
 import io
+import re
 import shutil
 import subprocess
 import sys
@@ -51,7 +52,10 @@ def terminal(result: Path, columns: int, file: Path) -> None:
     text = show(content, spec=spec_of(result), width=min(columns, WIDEST), colour=True)
     console = Console(record=True, width=columns, file=io.StringIO(), force_terminal=True)
     console.print(Text.from_ansi("\n".join(text.splitlines()[:60])))
-    file.write_text(console.export_svg(title=f"orthospec show, {columns} columns"), encoding="utf-8")
+    drawn = console.export_svg(title=f"orthospec show, {columns} columns")
+    # rich would load a font from elsewhere; the reader's own does.
+    drawn = re.sub(r"@font-face \{.*?\}", "", drawn, flags=re.DOTALL).replace("Fira Code", "monospace")
+    file.write_text(drawn, encoding="utf-8")
 
 
 def machine(result: Path, file: Path) -> None:

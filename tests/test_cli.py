@@ -50,7 +50,7 @@ def spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture(autouse=True)
 def quick_pages(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages have tests of their own, and take a second each."""
-    for page in ("report.report", "preview.preview"):
+    for page in ("report.report", "preview.preview", "study.study.report", "study.study.preview"):
         monkeypatch.setattr(f"orthospec.{page}", lambda one, _=None: f"<h1>{one.result.status}</h1>\n")
 
 
@@ -69,7 +69,7 @@ def _solving(monkeypatch: pytest.MonkeyPatch, **changes: Any) -> None:
         interrupted = changes.get("status") == "unfinished"
         return Outcome(replace(outcome.finding, **changes), {"seconds": {}}, interrupted)
 
-    monkeypatch.setattr(orthospec.optimise, "solve", solve)
+    monkeypatch.setattr("orthospec.study.study.solve", solve)
 
 
 def test_run_finds_the_legs_of_the_200_mm_cube(spec: Path) -> None:
@@ -109,7 +109,7 @@ def test_a_folder_in_the_way_is_refused_before_the_work(spec: Path, monkeypatch:
     def never(*_: Any, **__: Any) -> Outcome:
         raise AssertionError("worked before it looked")
 
-    monkeypatch.setattr(orthospec.optimise, "solve", never)
+    monkeypatch.setattr("orthospec.study.study.solve", never)
     result = _orthospec("run", spec.name, "-o", str(spec.parent), code=2)
     assert "holds other files and no result" in result.stderr
 
@@ -154,7 +154,7 @@ def test_a_page_that_cannot_be_made_is_left_out_and_costs_nothing_else(
     def broken(_: Any) -> str:
         raise ZeroDivisionError("no figure")
 
-    monkeypatch.setattr("orthospec.report.report", broken)
+    monkeypatch.setattr("orthospec.study.study.report", broken)
     told = _orthospec("evaluate", spec.name, "-o", "out")
     assert "note: report.html is left out: ZeroDivisionError: no figure" in told.stderr
     assert sorted(path.name for path in Path("out").iterdir()) == [
@@ -316,7 +316,7 @@ def test_what_goes_wrong_has_its_exit_code_and_no_trace(
         raise error
 
     monkeypatch.delenv("ORTHOSPEC_TRACEBACK", raising=False)
-    monkeypatch.setattr(orthospec.optimise, "solve", failing)
+    monkeypatch.setattr("orthospec.study.study.solve", failing)
     result = _orthospec("run", spec.name, code=code)
     assert said in result.stderr
     assert "Traceback" not in result.stderr
@@ -328,7 +328,7 @@ def test_the_trace_of_a_fault_is_shown_on_request(spec: Path, monkeypatch: pytes
         raise KeyError("x")
 
     monkeypatch.setenv("ORTHOSPEC_TRACEBACK", "1")
-    monkeypatch.setattr(orthospec.optimise, "solve", failing)
+    monkeypatch.setattr("orthospec.study.study.solve", failing)
     assert "Traceback (most recent call last)" in _orthospec("run", spec.name, code=1).stderr
 
 

@@ -22,17 +22,6 @@ PAGES = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *sorted(ROOT.glob("plugins/*/README.md")),
 ]
-MODULES = (
-    "quantities",
-    "kernels",
-    "testing",
-    "exchange",
-    "solution",
-    "report",
-    "preview",
-    "study",
-    "intervals",
-)
 
 
 def site() -> Any:
@@ -73,6 +62,16 @@ def test_each_command_in_the_pages_is_one_with_these_options(line: str) -> None:
     command.make_context(words[1], words[2:], resilient_parsing=False)
 
 
+def test_the_first_minutes_take_commands_that_there_are() -> None:
+    script = (ROOT / ".ci" / "first-minutes").read_text(encoding="utf-8")
+    lines = re.findall(r'"\$bin/orthospec" (.*)$', script, re.MULTILINE)
+    assert [line.split()[0] for line in lines] == ["run", "init", "check", "run", "run", "diff"]
+    group = typer.main.get_command(app)
+    for line in lines:
+        name, *words = shlex.split(line)
+        group.commands[name].make_context(name, words)  # type: ignore[attr-defined]
+
+
 def test_the_reference_tells_every_command_key_machine_and_measure() -> None:
     pages = site().generated()
     for name in typer.main.get_command(app).commands:  # type: ignore[attr-defined]
@@ -86,12 +85,23 @@ def test_the_reference_tells_every_command_key_machine_and_measure() -> None:
         assert f"::: orthospec.{name}\n" in pages["reference/python.md"]
 
 
+def test_no_picture_loads_anything() -> None:
+    for path in (ROOT / "docs" / "screens").glob("*.svg"):
+        assert not re.search(
+            r"url\(['\"]?https?:|@import|href=['\"]https?:", path.read_text(encoding="utf-8")
+        )
+
+
 def public() -> list[tuple[str, object]]:
     found: list[tuple[str, object]] = [(name, getattr(orthospec, name)) for name in orthospec.__all__]
-    for module in MODULES:
+    for module in site().MODULES:
         one = importlib.import_module(f"orthospec.{module}")
-        found += [(f"{module}.{name}", getattr(one, name)) for name in one.__all__]
-    return [(name, one) for name, one in found if inspect.isclass(one) or inspect.isfunction(one)]
+        names = getattr(one, "__all__", [name for name in vars(one) if not name.startswith("_")])
+        found += [(f"{module}.{name}", getattr(one, name)) for name in names]
+    ours = [
+        (name, one) for name, one in found if (getattr(one, "__module__", None) or "").startswith("orthospec")
+    ]
+    return [(name, one) for name, one in ours if inspect.isclass(one) or inspect.isfunction(one)]
 
 
 @pytest.mark.parametrize(("name", "one"), [pytest.param(*case, id=case[0]) for case in public()])

@@ -214,7 +214,7 @@ def elastic_values(machine, legs):
 
 
 def dynamic_values(machine, inverse):
-    g, masses = machine.geometry, machine._masses
+    g, masses = machine.geometry, machine.masses
     sliders, m = mpmath.mpf(masses.sliders), vector(masses.legs[0])
     G = mpmath.mpf(masses.platform) * mpmath.eye(3)
     gravity, J = vector(machine.gravity), inverse**-1

@@ -63,7 +63,7 @@ CHANGES = {
         "use: orthoglide", "use: ortoglide",
         [
             "7:8: unknown manipulator 'ortoglide'; did you mean 'orthoglide'? "
-            "installed: linear_delta, orthoglide"
+            f"installed: {', '.join(registry.names(registry.MANIPULATORS))}"
         ],
     ),
     "a forgotten section": (

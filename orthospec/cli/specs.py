@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,9 +18,10 @@ from orthospec.guard import DONE, NOT_MET, PLUGIN, STOPPED, say
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
-    from orthospec.optimise import Outcome, Workers
+    from orthospec.optimise import Workers
     from orthospec.show import ProgressLine
     from orthospec.spec import Spec
+    from orthospec.study import Study
 
 
 @command
@@ -72,7 +72,7 @@ def run(
     Without variables the one design of the spec is evaluated. Exit codes: 0 done, 2 wrong spec, 3 no design
     found in which every bound holds, 4 stopped, 5 a plugin failed.
     """
-    from orthospec.optimise import solve
+    from orthospec import study as studies
     from orthospec.result import check_destination
     from orthospec.spec import load_spec
 
@@ -80,10 +80,10 @@ def run(
     folder = out or Path("runs") / ("stdin" if spec == "-" else Path(spec).stem)
     check_destination(folder)
     with _workers(jobs, on, cache, resume) as workers, _following(quiet) as progress:
-        outcome = solve(problem, progress=progress, workers=workers)
-        kept = _fields(problem, outcome, progress, workers) if fields else None
-    _tell_times(outcome, verbose)
-    return _hand_over(problem, outcome, folder, kept, as_json)
+        found = studies.run(problem, progress=progress, workers=workers)
+        kept = _fields(found, progress, workers) if fields else None
+    _tell_times(found, verbose)
+    return _hand_over(found, folder, kept, as_json)
 
 
 @command
@@ -178,9 +178,9 @@ def evaluate(
     verbose: Verbose = False,
 ) -> int:
     """Measure one design: its cuboids, indices and extremes."""
-    from orthospec.optimise import evaluate_spec, with_proof
+    from orthospec import study as studies
     from orthospec.result import check_destination
-    from orthospec.spec import ProofKeys, load_spec
+    from orthospec.spec import load_spec
 
     problem = load_spec(Path(spec), settings or [])
     values = problem.default_values() | _values(problem, at or "")
@@ -194,13 +194,10 @@ def evaluate(
     elif fields:
         raise UsageError("--fields writes into a result folder: give one with -o DIR")
     with _workers(jobs, on, cache, resume) as workers, _following(quiet) as progress:
-        outcome = evaluate_spec(problem, values, progress=progress, workers=workers)
-        if prove:
-            keys = problem.proof or ProofKeys()
-            outcome = with_proof(problem, outcome, keys, progress=progress, workers=workers)
-        kept = _fields(problem, outcome, progress, workers) if fields else None
-    _tell_times(outcome, verbose)
-    return _hand_over(problem, outcome, out, kept, as_json)
+        found = studies.evaluate(problem, values, prove=prove, progress=progress, workers=workers)
+        kept = _fields(found, progress, workers) if fields else None
+    _tell_times(found, verbose)
+    return _hand_over(found, out, kept, as_json)
 
 
 def _following(quiet: bool) -> ProgressLine:
@@ -209,7 +206,7 @@ def _following(quiet: bool) -> ProgressLine:
     return Silence() if quiet else ProgressLine(sys.stderr)
 
 
-def _tell_times(outcome: Outcome, verbose: bool) -> None:
+def _tell_times(found: Study, verbose: bool) -> None:
     """What took how long, and what it was computed with."""
     if not verbose:
         return
@@ -217,7 +214,7 @@ def _tell_times(outcome: Outcome, verbose: bool) -> None:
 
     from orthospec.kernels import instruction_set
 
-    for stage, seconds in outcome.log.get("seconds", {}).items():
+    for stage, seconds in found.log.get("seconds", {}).items():
         say(f"{stage}: {seconds:.2f} s")
     versions = ", ".join(
         f"{name} {version(name)}" for name in ("orthospec", "numpy", "scipy", "cvxpy", "clarabel")
@@ -237,57 +234,34 @@ def _workers(jobs: int, on: str | None, cache: Path | None, resume: bool) -> Ite
         say(f"resumed: {keeping.known} of {keeping.asked} steps were done already")
 
 
-def _fields(
-    spec: Spec, outcome: Outcome, progress: ProgressLine, workers: Workers
-) -> dict[str, Array] | None:
+def _fields(found: Study, progress: ProgressLine, workers: Workers) -> dict[str, Array] | None:
     """What is asked for by --fields; none where the run was stopped, or is now, or a plugin failed."""
     from orthospec.optimise import fields_of
 
-    if outcome.interrupted or outcome.finding.status == "failed":
+    outcome = found.outcome
+    if outcome is None or outcome.interrupted or found.status == "failed" or found.spec is None:
         return None
     try:
-        return fields_of(spec, outcome.finding.design, progress=progress, workers=workers)
+        return fields_of(found.spec, outcome.finding.design, progress=progress, workers=workers)
     except KeyboardInterrupt:
         say("stopped before the fields were complete: fields.npz is left out")
         outcome.interrupted = True
         return None
 
 
-def _hand_over(
-    spec: Spec, outcome: Outcome, folder: Path | None, kept: dict[str, Array] | None, as_json: bool
-) -> int:
+def _hand_over(found: Study, folder: Path | None, kept: dict[str, Array] | None, as_json: bool) -> int:
     """Write, print, and say how it went."""
-    from orthospec.result import compose, write_result
     from orthospec.show import show as text
 
-    content = compose(spec, outcome.finding)
     if folder is not None:
-        write_result(folder, spec, content, outcome.log, kept, _pages(spec, content, outcome.log))
+        found.save(folder, kept, told=lambda what: say(f"note: {what}"))
     if as_json:
-        print_json(content)
+        print_json(found.content)
     else:
-        print_text(text(content, spec=spec, **format_of(sys.stdout)))
+        print_text(text(found.content, spec=found.spec, **format_of(sys.stdout)))
     if folder is not None:
         _tell_folder(folder, as_json)
-    return _code_of(outcome)
-
-
-def _pages(spec: Spec, content: dict[str, Any], log: dict[str, Any]) -> dict[str, str]:
-    """The pages of a result folder; one that cannot be made is left out, and costs nothing else."""
-    from orthospec.preview import preview
-    from orthospec.report import report
-    from orthospec.result import PREVIEW, REPORT
-    from orthospec.solution import Solution
-
-    solution = Solution(content, spec, log)
-    gc.freeze()  # what is there stays: no need to look through it while pages are made
-    pages = {}
-    for name, make in {REPORT: report, PREVIEW: preview}.items():
-        try:
-            pages[name] = make(solution)
-        except Exception as error:
-            say(f"note: {name} is left out: {type(error).__name__}: {error}")
-    return pages
+    return _code_of(found)
 
 
 def _tell_what_if(
@@ -318,13 +292,12 @@ def _tell_folder(folder: Path, as_json: bool) -> None:
         print_text(f"\nWritten to {folder}")
 
 
-def _code_of(outcome: Outcome) -> int:
-    finding = outcome.finding
-    if finding.status == "failed":
+def _code_of(found: Study) -> int:
+    if found.status == "failed":
         return PLUGIN
-    if outcome.interrupted or finding.status == "unfinished":
+    if found.outcome is None or found.outcome.interrupted or found.status == "unfinished":
         return STOPPED
-    if finding.status == "infeasible" or not finding.evaluation.holds:
+    if found.status == "infeasible" or not found.outcome.finding.evaluation.holds:
         return NOT_MET
     return DONE
 

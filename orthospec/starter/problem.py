@@ -73,7 +73,7 @@ def first_problem(machine: str) -> Problem:
     length, unit = _length(machine, name, first), str(first).split()[-1] if is_quantity(str(first)) else "m"
     found, endless = _tried(machine, examples, length, lengths)
     most, edge = _cuboid(machine, found, length / 2)
-    variable = _name(name, made_of)
+    variable = _name(name, made_of, several=isinstance(example, list))
     in_place = [variable] * len(example) if isinstance(example, list) else variable
     return Problem(
         machine=machine,
@@ -165,9 +165,9 @@ def _cuboid(machine: str, found: Evaluation, edge: float) -> tuple[float, float]
     )
 
 
-def _name(key: str, made_of: type[Manipulator]) -> str:
-    """A variable's name: none of the machine's indices."""
-    name = key.removesuffix("s")
+def _name(key: str, made_of: type[Manipulator], *, several: bool) -> str:
+    """A variable's name, that of one of several where it stands for all: none of the machine's indices."""
+    name = key.removesuffix("s") if several else key
     return f"{name}_" if name in made_of.index_units else name
 
 

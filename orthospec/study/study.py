@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -78,14 +79,26 @@ class Study(Solution):
         """The scene in space, a whole page of HTML, with another result in it where one is given."""
         return preview(self, other)
 
-    def save(self, folder: Path | str, fields: Mapping[str, Array] | None = None) -> Path:
+    def save(
+        self,
+        folder: Path | str,
+        fields: Mapping[str, Array] | None = None,
+        *,
+        told: Callable[[str], None] = warnings.warn,
+    ) -> Path:
         """Write the result folder, whole or not at all; the folder.
 
+        A page that cannot be made is left out, which is ``told``, and costs nothing else.
         Raises `UsageError` where there is something else in it, or without a spec.
         """
         if self.spec is None:
             raise UsageError("a result without its spec cannot be written as a folder")
-        pages = {REPORT: self.report(), PREVIEW: self.preview()}
+        pages = {}
+        for name, make in {REPORT: self.report, PREVIEW: self.preview}.items():
+            try:
+                pages[name] = make()
+            except Exception as error:
+                told(f"{name} is left out: {type(error).__name__}: {error}")
         write_result(Path(folder), self.spec, self.content, self.log, fields, pages)
         return Path(folder)
 
