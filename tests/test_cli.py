@@ -180,7 +180,7 @@ def test_report_is_written_anew_where_it_is_wanted(spec: Path) -> None:
 
 
 def test_quiet_says_nothing_and_verbose_tells_times_and_versions(spec: Path) -> None:
-    assert _orthospec("evaluate", spec.name, "-q").stderr == ""
+    assert _orthospec("evaluate", spec.name, "--at", "leg=510 mm", "--resume", "-q").stderr == ""
     told = _orthospec("evaluate", spec.name, "--verbose").stderr
     assert "evaluate: " in told
     assert "with orthospec 0." in told

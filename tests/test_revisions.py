@@ -63,7 +63,7 @@ def test_each_spec_that_differs_is_found_and_nothing_else() -> None:
     assert set(found) == {"legs.yaml", "other.yaml", "gone.yaml", "new.yaml"}
     assert (found["gone.yaml"].said, found["new.yaml"].said) == ("removed", "new")
     text = comment(list(found.values()), "HEAD")
-    assert "| transmission.at_most | 2 | 2.2 | +0.2 | +10 % |" in text
+    assert "| transmission.at\\_most | 2 | 2.2 | +0.2 | +10 % |" in text
     assert "**other.yaml**: the same in meaning" in text
     assert "**gone.yaml**: removed" in text
 
@@ -75,6 +75,37 @@ def test_a_spec_with_mistakes_is_told_with_their_places() -> None:
     assert "did you mean" in comment([one], "HEAD")
 
 
+def test_a_key_before_the_format_and_an_untracked_file_hide_nothing() -> None:
+    Path("legs.yaml").write_text("title: First\n" + SPEC.replace("title: Legs\n", "").replace("2}}", "2.5}}"))
+    Path("untracked.yaml").write_text(SPEC)
+    assert [(one.path, one.said) for one in changed_since("HEAD")] == [
+        ("legs.yaml", ""),
+        ("untracked.yaml", "new"),
+    ]
+
+
+def test_a_revision_is_never_an_option_of_git() -> None:
+    with pytest.raises(UsageError, match="is no revision"):
+        changed_since("--output=pwned")
+    assert not Path("pwned").exists()
+
+
+def test_what_a_user_wrote_is_text_in_the_comment() -> None:
+    Path("legs.yaml").write_text(SPEC.replace("orthoglide,", "<b>x</b>,").replace("at_most: 2", "at_mots: 2"))
+    (one,) = changed_since("HEAD")
+    text = comment([one], "HEAD")
+    assert "<b>" not in text
+    assert text.count("\n* legs.yaml:") == 3
+
+
+def test_a_comment_is_no_longer_than_hosts_take() -> None:
+    from orthospec.compare import Changed
+
+    text = comment([Changed(f"{k}.yaml", None, "x" * 1000) for k in range(100)], "main")
+    assert len(text) < 65_000
+    assert "more: `orthospec diff --since` tells them." in text
+
+
 def test_from_a_folder_below_paths_are_found(repository: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("legs.yaml").write_text(SPEC.replace("at_most: 2", "at_most: 2.2"))
     (repository / "below").mkdir()
@@ -83,7 +114,7 @@ def test_from_a_folder_below_paths_are_found(repository: Path, monkeypatch: pyte
 
 
 def test_a_revision_that_there_is_not_is_told() -> None:
-    with pytest.raises(UsageError, match=r"git: .*nowhere"):
+    with pytest.raises(UsageError, match=r"git: 'nowhere' is no revision"):
         changed_since("nowhere")
 
 
@@ -100,7 +131,7 @@ def test_the_command_writes_markdown_json_and_text() -> None:
     assert "length.goal" in run(app, ["diff", "--since", "HEAD"]).stdout
     assert run(app, ["diff", "--since", "HEAD", "legs.yaml"]).exit_code == 2
     pair = run(app, ["diff", "legs.yaml", "other.yaml", "--markdown"]).stdout
-    assert "**legs.yaml, other.yaml**: 1 value differ" in pair
+    assert "**legs.yaml, other.yaml**: 1 value differs" in pair
 
 
 def test_the_workflow_in_the_pages_calls_it_and_nothing_else() -> None:

@@ -33,5 +33,5 @@ Resume = Annotated[
     bool, typer.Option("--resume", help="Go on after a run that was stopped; tell what is done already.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs to read.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Tell no progress and no notes.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Tell no progress and no notes; errors still.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Tell times and versions at the end.")]

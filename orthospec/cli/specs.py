@@ -79,7 +79,7 @@ def run(
     problem = load_spec(Path(spec), settings or [])
     folder = out or Path("runs") / ("stdin" if spec == "-" else Path(spec).stem)
     check_destination(folder)
-    with _workers(jobs, on, cache, resume) as workers, _following(quiet) as progress:
+    with _workers(jobs, on, cache, resume and not quiet) as workers, _following(quiet) as progress:
         found = studies.run(problem, progress=progress, workers=workers)
         kept = _fields(found, progress, workers) if fields else None
     _tell_times(found, verbose)
@@ -183,17 +183,17 @@ def evaluate(
     from orthospec.spec import load_spec
 
     problem = load_spec(Path(spec), settings or [])
-    values = problem.default_values() | _values(problem, at or "")
+    values = problem.default_values() | _values(problem, at or "", quiet)
     if what_if:
         if out is not None or fields or prove:
             raise UsageError("--what-if prints its answer alone: leave -o, --fields and --prove out")
-        with _workers(jobs, on, cache, resume) as workers, _following(quiet) as progress:
+        with _workers(jobs, on, cache, resume and not quiet) as workers, _following(quiet) as progress:
             return _tell_what_if(problem, values, what_if, progress, workers, as_json)
     if out is not None:
         check_destination(out)
     elif fields:
         raise UsageError("--fields writes into a result folder: give one with -o DIR")
-    with _workers(jobs, on, cache, resume) as workers, _following(quiet) as progress:
+    with _workers(jobs, on, cache, resume and not quiet) as workers, _following(quiet) as progress:
         found = studies.evaluate(problem, values, prove=prove, progress=progress, workers=workers)
         kept = _fields(found, progress, workers) if fields else None
     _tell_times(found, verbose)
@@ -308,7 +308,7 @@ def _in_a_line(spec: Spec) -> str:
     return ", ".join([spec.manipulator.use, *parts])
 
 
-def _values(spec: Spec, text: str) -> dict[str, float]:
+def _values(spec: Spec, text: str, quiet: bool) -> dict[str, float]:
     """The values in ``base=1.5,third=310 mm``."""
     from orthospec.quantities.fields import resolve
 
@@ -322,7 +322,8 @@ def _values(spec: Spec, text: str) -> dict[str, float]:
             values[name] = resolve(value, None, {})
         except ValueError as error:
             raise UsageError(f"--at {part}: {error}") from None
-        _warn_outside(spec, name, values[name])
+        if not quiet:
+            _warn_outside(spec, name, values[name])
     return values
 
 

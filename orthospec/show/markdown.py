@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from orthospec.compare import Comparison
     from orthospec.compare.revisions import Changed
 
+LONGEST = 60_000
+"""Characters of a comment: hosts refuse longer ones."""
 FIRST = ("status", "attainment", "variables")
 """Sections of a result that a comment shows unfolded."""
 
@@ -23,25 +26,51 @@ def comment(changed: Sequence[Changed], revision: str) -> str:
         return f"No spec and no result differs from `{revision}`.\n"
     parts = [f"### Specs and results that differ from `{revision}`"]
     for one in changed:
-        if one.comparison is None:
-            parts.append(f"**{one.path}**: {one.said}")
-        elif not one.comparison.changed:
-            parts.append(f"**{one.path}**: the same in meaning")
-        else:
+        if one.comparison is not None and one.comparison.changed:
             parts.append(compared(one.comparison, one.path))
-    return "\n\n".join(parts) + "\n"
+        else:
+            parts.append(_in_words(one))
+    return _short(parts)
+
+
+def _short(parts: list[str]) -> str:
+    """As much as a comment may hold, and how much is left out."""
+    kept: list[str] = []
+    length = 0
+    for part in parts:
+        if length + len(part) > LONGEST:
+            rest = counted(len(parts) - len(kept), "file")
+            kept.append(f"And {rest} more: `orthospec diff --since` tells them.")
+            break
+        kept.append(part)
+        length += len(part) + 2
+    return "\n\n".join(kept) + "\n"
+
+
+def _in_words(one: Changed) -> str:
+    """A file without a table: new, removed, the same, or what keeps it from being read, a mistake an item."""
+    lines = one.said.splitlines() or ["the same in meaning"]
+    if len(lines) == 1:
+        return f"{_bold(one.path)}: {_escaped(lines[0])}"
+    items = "\n".join(f"* {_escaped(line)}" for line in lines)
+    return f"{_bold(one.path)} cannot be read:\n\n{items}"
+
+
+def _bold(name: str) -> str:
+    return f"**{_escaped(name)}**"
 
 
 def compared(found: Comparison, name: str) -> str:
     """What differs between two specs or two results: goals and design first, the rest folded."""
     if not found.changed:
-        return f"**{name}**: no difference"
+        return f"{_bold(name)}: no difference"
     sections = {
         section: list(rows)
         for section, rows in itertools.groupby(found.changed, key=lambda row: str(row.path[0]))
     }
     shown = FIRST if found.a.kind == "result" else tuple(sections)
-    parts = [f"**{name}**: {counted(len(found.changed), 'value')} differ"]
+    differ = len(found.changed)
+    parts = [f"{_bold(name)}: {counted(differ, 'value')} {'differs' if differ == 1 else 'differ'}"]
     folded: list[str] = []
     for section, rows in sections.items():
         heading = HEADINGS.get(section, section) if found.a.kind == "result" else section
@@ -77,4 +106,4 @@ def _unescaped(line: Line) -> Iterator[str]:
 
 
 def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("<", "&lt;").replace("\n", " ")
+    return re.sub(r"([|*_`])", r"\\\1", text).replace("<", "&lt;").replace("\n", " ")
