@@ -27,7 +27,7 @@ from orthospec.study import open_study
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
-COLOURS = 128
+COLOURS = 256
 """Of a picture, so that it stays small."""
 PREVIEWS: dict[str, tuple[str, str, int, int]] = {
     "preview-orthoglide": ("orthoglide-200-drives", "light", 1, 12),
@@ -69,7 +69,7 @@ def machine(result: Path, file: Path) -> None:
 def small(path: Path) -> None:
     """Few colours, and no larger than it has to be."""
     with Image.open(path) as picture:
-        picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+        picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
 
 
 def main() -> None:

@@ -135,6 +135,37 @@ def test_a_result_without_its_spec_shows_its_cuboids(solved: Solution) -> None:
     assert 'id="place"' not in preview(Solution(solved.content, None))
 
 
+def test_machines_of_other_proportions_move_together(solved: Solution, spec_of: Callable[..., Spec]) -> None:
+    """A flat cuboid has a shorter tour: each machine goes through its own as the other one does."""
+    text = EVALUATED.replace("LENGTH", "1").replace("[0.5, 0.5, 0.25]", "[0.4, 0.3]")
+    flat = spec_of(text)
+    other = solution_of(flat, evaluate_spec(flat))
+    for first, second in ((solved, other), (other, solved)):
+        scene = overlaid(Subject(first), Subject(second))
+        assert {len(frames) for frames in scene.frames} == {len(scene.poses)}
+        assert {len(tool.places) for tool in scene.tools} == {len(scene.poses)}
+
+
+def test_a_machine_waits_with_its_tool_where_it_cannot_go(solved: Solution) -> None:
+    """Legs of one metre do not reach the far corners of this cuboid."""
+    far = {"min": [-0.2, -0.2, -0.2], "max": [0.9, 0.9, 0.9], "holds": False}
+    workspace = {**solved.content["workspace"], "prescribed": far}
+    scene = scene_of(Subject(Solution({**solved.content, "workspace": workspace}, solved.spec)))
+    (frames,), (tool,) = scene.frames, scene.tools
+    legs = [k for k, bar in enumerate(scene.bars) if "leg" in bar.path]
+    assert np.isfinite(frames).all()
+    np.testing.assert_allclose(
+        frames[:, legs, 1], np.repeat(tool.places[:, None], len(legs), axis=1), atol=1e-9
+    )
+    assert (np.diff(tool.places, axis=0) == 0).all(axis=1).any()
+
+
+def test_joints_stand_at_the_ends_of_their_bars(solved: Solution) -> None:
+    scene = scene_of(Subject(solved))
+    ends = {(one.bar, one.end) for one in scene.joints}
+    assert ends == {(k, end) for k in range(len(scene.bars)) for end in (0, 1)}
+
+
 def test_a_second_solution_stands_beside_the_first(solved: Solution, longer: Solution) -> None:
     one, both = scene_of(Subject(solved)), overlaid(Subject(solved), Subject(longer))
     assert len(both.bars) == 2 * len(one.bars)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from orthospec.measures.demand import bounded_side
-from orthospec.preview.scene import Ball, Bar, Colour, Group, Lines, Mesh, Scale, Scene, Tool
+from orthospec.preview.scene import Ball, Bar, Colour, Group, Joint, Lines, Mesh, Scale, Scene, Tool
 from orthospec.report.figures.slices import COLOURS as MAP
 from orthospec.report.subject import Subject, bound_side, nested
 from orthospec.report.views import edges
@@ -28,10 +29,16 @@ STEPS = 12
 FACE = 17
 """Nodes along each edge of a coloured face."""
 STEEL, GROUND, CARRIAGE = (86, 128, 178), (120, 124, 132), (45, 50, 60)
-SHELL, BOX, MARK = (150, 156, 168), (214, 106, 30), (205, 40, 40)
+SHELL, BOX = (150, 156, 168), (214, 106, 30)
+MARKS: tuple[Colour, ...] = ((205, 40, 40), (150, 60, 190), (20, 140, 140), (190, 130, 0), (60, 90, 200))
+"""Of limits."""
+DARK, BRIGHT = (0, 32, 77), (253, 220, 50)
+"""Of the least and the greatest value, as the map of colours has them."""
 NESTED: tuple[Colour, ...] = ((30, 140, 90), (130, 80, 170), (20, 120, 180), (170, 120, 20))
 OTHER: tuple[Colour, Colour] = ((196, 84, 140), (150, 40, 100))
 """Of the machine and the cuboid of a second solution."""
+JOINT = 1.3
+"""Radius of a ball at a bar's end, in the bar's own."""
 UNKNOWN = (0.55, 0.55, 0.58)
 """Where a measure has no value, as out of reach."""
 
@@ -48,7 +55,8 @@ def scene_of(subject: Subject) -> Scene:
             scene.things.append(Mesh("workspace", surface.vertices, surface.triangles, SHELL, 0.22))
             scene.groups.append(Group("workspace", "all that is in reach", SHELL))
     _cuboids(scene, subject)
-    _critical(scene, subject)
+    _marks(scene, subject)
+    _axes(scene, subject)
     if place is not None and design is not None:
         for demand in design.demands:
             _colours(scene, subject, design, demand, place)
@@ -71,21 +79,26 @@ def overlaid(first: Subject, second: Subject) -> Scene:
 def _machine(
     scene: Scene, subject: Subject, design: Design, place: Cuboid, path: str, colour: Colour, said: str
 ) -> None:
-    """The machine at each place of a tour along the cuboid's edges, in one block."""
-    tour = _tour(len(place.low))
-    poses = place.poses(tour, len(design.manipulator.axes))
+    """The machine at each place of a tour through the cuboid, in one block; where it cannot go it waits."""
+    poses = place.poses(_tour(len(place.low)), len(design.manipulator.axes))
     skeleton = design.manipulator.skeleton(poses)
-    frames = np.array(skeleton.segments, dtype=float)
-    if not np.isfinite(frames).all():
-        known = np.isfinite(frames).all(axis=(1, 2, 3))
-        if not known[0]:
-            return
-        frames = frames[np.maximum.accumulate(np.where(known, np.arange(len(frames)), 0))]
+    known = np.asarray(np.isfinite(skeleton.segments).all(axis=(1, 2, 3)))
+    if not known[0]:
+        return
+    held = np.maximum.accumulate(np.where(known, np.arange(len(poses)), 0))
+    if scene.poses:  # All machines move at once, each along its own cuboid.
+        held = held[np.linspace(0, len(held) - 1, len(scene.poses)).round().astype(int)]
+    frames, poses = np.array(skeleton.segments, dtype=float)[held], poses[held]
+    machine = len(scene.frames)
     for k, (name, radius) in enumerate(zip(skeleton.names, skeleton.radii, strict=True)):
         ground = name.startswith(("slide", "rail", "base"))
-        scene.bars.append(Bar(f"{path}/{k}-{name}", float(radius), GROUND if ground else colour))
+        bar = Bar(f"{path}/{name}", float(radius), GROUND if ground else colour)
+        scene.bars.append(bar)
+        for end in (0, 1):
+            ball = Ball(f"{path}/{name}-{'ab'[end]}", np.zeros(3), JOINT * bar.radius, bar.colour)
+            scene.joints.append(Joint(ball, machine, k, end))
     scene.frames.append(frames)
-    ball = Ball(f"{path}/tool", np.zeros(3), 1.6 * float(np.median(skeleton.radii)), CARRIAGE)
+    ball = Ball(f"{path}/tool", np.zeros(3), 2.4 * float(np.median(skeleton.radii)), CARRIAGE)
     scene.tools.append(Tool(ball, in_space(design.manipulator, poses)))
     scene.groups.append(Group(path, said, colour))
     if not scene.poses:
@@ -102,12 +115,10 @@ def in_space(machine: Manipulator, poses: Poses) -> Array:
 
 
 def _tour(d: int) -> Array:
-    """Places u (k, d) of the tool: the middle, then from corner to corner along edges, and back."""
-    turns = [np.zeros(d)]
-    for number in [*range(2**d), 0]:
-        code = number ^ (number >> 1)
-        turns.append(np.array([(code >> k & 1) - 0.5 for k in range(d)]))
-    turns.append(np.zeros(d))
+    """Places u (k, d) of the tool: the middle, corner to corner along edges, through the middle, and back."""
+    codes = [number ^ (number >> 1) for number in [*range(2**d), 0]]
+    corners = [np.array([(code >> k & 1) - 0.5 for k in range(d)]) for code in codes]
+    turns = [np.zeros(d), *corners, -corners[-1], np.zeros(d)]
     parts = np.arange(STEPS) / STEPS
     legs = [a + parts[:, None] * (b - a) for a, b in pairwise(turns)]
     return np.concatenate([*legs, turns[-1][None]])
@@ -122,26 +133,56 @@ def _cuboids(scene: Scene, subject: Subject) -> None:
     for k, (label, cuboid, scale) in enumerate(nested(subject)):
         path, colour = ("cuboid", BOX) if k == 0 else (f"cuboid-{k}", NESTED[(k - 1) % len(NESTED)])
         scene.things.append(Lines(path, _edges(cuboid), colour))
+        if k == 0 and len(cuboid.low) == 3:
+            u, triangles = _faces(3)
+            scene.things.append(Mesh(f"{path}/faces", cuboid.poses(u, 3), triangles, colour, 0.07))
         said = "the prescribed cuboid" if k == 0 else f"{label}, scale {scale:.6g}"
         scene.groups.append(Group(path, said, colour))
 
 
-def _critical(scene: Scene, subject: Subject) -> None:
-    """Where what limits the design is reached."""
-    poses = {
-        tuple(pose[:3])
-        for limit in words.together(subject.result.limits)
-        for pose in limit.at
-        if len(pose) >= 2
-    }
+def _marks(scene: Scene, subject: Subject) -> None:
+    """Where each limit is reached, and, hidden at first, where each measure is least and greatest."""
     place = subject.place
-    if not poses or place is None:
+    if place is None:
         return
-    radius = 0.025 * float(place.size.max())
-    for k, pose in enumerate(sorted(poses)):
-        centre = np.pad(np.array(pose), (0, 3 - len(pose)))
-        scene.things.append(Ball(f"limits/{k}", centre, radius, MARK))
-    scene.groups.append(Group("limits", "where the limits are reached", MARK))
+    radius = 0.022 * float(place.size.max())
+    limits = [one for one in words.together(subject.result.limits) if one.at]
+    for k, limit in enumerate(limits):
+        colour = MARKS[k % len(MARKS)]
+        for n, pose in enumerate(limit.at):
+            # Limits that meet at one pose show as a ball in a ball.
+            ball = Ball(f"limit-{k}/{n}", _centre(pose), radius * (1 + 0.25 * (len(limits) - k)), colour)
+            scene.things.append(ball)
+        scene.groups.append(
+            Group(f"limit-{k}", words.limiting(limit, subject.known, subject.numbers), colour)
+        )
+    for name, record in subject.result.workspace.measures.items():
+        unit = subject.known.measures[name].unit if name in subject.known.measures else "1"
+        for end, extreme, colour in (("lowest", record.lowest, DARK), ("highest", record.highest, BRIGHT)):
+            if extreme is not None and extreme.value is not None:
+                path = f"{end}-{name}"
+                scene.things.append(Ball(f"{path}/0", _centre(extreme.at), radius, colour))
+                said = f"{name}: {end}, {subject.numbers.value(extreme.value, unit)}"
+                scene.groups.append(Group(path, said, colour, shown=False))
+
+
+def _centre(pose: Sequence[float]) -> Array:
+    return np.pad(np.array(pose[:3], dtype=float), (0, 3 - min(len(pose), 3)))
+
+
+def _axes(scene: Scene, subject: Subject) -> None:
+    """The axes from the origin, of a round length."""
+    if not scene.things:
+        return
+    low, high = scene.ends
+    reach = float(np.max(high - low)) / 3
+    length = 10.0 ** np.floor(np.log10(reach))
+    length *= max(step for step in (1, 2, 5) if step * length <= reach)
+    for k, colour in enumerate(((200, 60, 50), (50, 150, 70), (60, 100, 210))):
+        line = np.array([[np.zeros(3), length * np.eye(3)[k]]])
+        scene.things.append(Lines(f"axes/{'xyz'[k]}", line, colour))
+    said = f"axes x (red), y (green), z (blue), {subject.numbers.value(float(length), 'm')} long"
+    scene.groups.append(Group("axes", said, (120, 120, 120)))
 
 
 def _colours(scene: Scene, subject: Subject, design: Design, demand: Demand, place: Cuboid) -> None:

@@ -8,7 +8,7 @@ const set = (path, property, value) => tell({type: "set_property", path: path, p
 
 for (const command of scene.commands) viewer.handle_command_bytearray(bytes(command));
 for (const path of ["/Grid", "/Axes"]) set(path, "visible", false);
-set("/Cameras/default/rotated/<object>", "position", [1.45, 1.05, 1.75]);
+set("/Cameras/default/rotated/<object>", "position", [1.3, 0.95, 1.55]);
 set("/Lights/AmbientLight/<object>", "intensity", 0.75);
 
 // A bar is a cylinder along y, of length 1: turned to its direction, and as long as it has to be.
@@ -27,6 +27,9 @@ function stretched(a, b) {
   return [...across, 0, ...way, 0, ...third, 0, ...middle, 1];
 }
 
+const moved = (path, place) =>
+  tell({type: "set_transform", path: path, matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...place, 1]});
+
 const slider = document.getElementById("place");
 const said = document.getElementById("pose");
 const button = document.getElementById("play");
@@ -38,8 +41,9 @@ function show(frame) {
       tell({type: "set_transform", path: scene.bars[bar++], matrix: stretched(ends.slice(0, 3), ends.slice(3))});
     }
   }
-  for (const tool of scene.tools) {
-    tell({type: "set_transform", path: tool.path, matrix: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, ...tool.places[frame], 1]});
+  for (const tool of scene.tools) moved(tool.path, tool.places[frame]);
+  for (const [path, machine, bar, end] of scene.joints) {
+    moved(path, scene.frames[machine][frame][bar].slice(3 * end, 3 * end + 3));
   }
   if (said) said.value = scene.poses[frame];
   viewer.set_dirty();

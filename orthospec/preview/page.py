@@ -26,6 +26,8 @@ POLICY = (
     " connect-src data:"
 )
 """What a browser may load: nothing from anywhere else."""
+INDICES = 4
+"""So many of the machine's indices are told in the panel."""
 DIGITS = 6
 """Of coordinates in frames [m]: a micrometre is more than a screen shows."""
 
@@ -72,6 +74,7 @@ def _data(scene: Scene) -> str:
         "commands": list(commands(scene)),
         "bars": [f"/{ROOT}/{bar.path}" for bar in scene.bars],
         "frames": [np.round(one.reshape(*one.shape[:2], 6), DIGITS).tolist() for one in scene.frames],
+        "joints": [[f"/{ROOT}/{one.ball.path}", one.machine, one.bar, one.end] for one in scene.joints],
         "tools": [
             {"path": f"/{ROOT}/{tool.ball.path}", "places": np.round(tool.places, DIGITS).tolist()}
             for tool in scene.tools
@@ -88,16 +91,19 @@ def _panel(subject: Subject, scene: Scene, title: str) -> Iterator[str]:
     for name, value in subject.result.variables.items():
         told = subject.numbers.value(value, subject.known.variables.get(name, UNKNOWN))
         yield f'<p class="muted">{escaped(name)} = {escaped(told)}</p>\n'
+    for name, index in [*subject.result.indices.items()][:INDICES]:
+        told = subject.numbers.value(index, subject.known.indices.get(name, UNKNOWN))
+        yield f'<p class="muted">{escaped(name)} {escaped(told)}</p>\n'
     yield from _motion(scene)
-    yield from _groups(scene)
     yield from _measures(scene)
+    yield from _groups(scene)
 
 
 def _motion(scene: Scene) -> Iterator[str]:
     if not scene.poses:
         return
     yield (
-        '<h2 id="tool">The tool, along the edges of the cuboid</h2>\n'
+        '<h2 id="tool">The tool, along edges and diagonals of the cuboid</h2>\n'
         f'<div class="motion"><input type="range" id="place" min="0" max="{len(scene.poses) - 1}" value="0"'
         ' aria-labelledby="tool"><button id="play" type="button">Move</button></div>\n'
         f'<output id="pose" for="place">{escaped(scene.poses[0])}</output>\n'

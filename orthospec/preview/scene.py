@@ -63,6 +63,16 @@ class Bar:
 
 
 @dataclass(frozen=True)
+class Joint:
+    """A ball that stays at an end of a bar: which machine's, the bar's number in it, and 0 or 1."""
+
+    ball: Ball
+    machine: int
+    bar: int
+    end: int
+
+
+@dataclass(frozen=True)
 class Tool:
     """A ball that moves: its centre in each frame (k, 3) [m]."""
 
@@ -98,6 +108,7 @@ class Scene:
     bars: list[Bar] = field(default_factory=list)
     frames: list[Array] = field(default_factory=list)
     """Of each machine, the ends of its bars at each place of the tool (k, s, 2, 3) [m]."""
+    joints: list[Joint] = field(default_factory=list)
     tools: list[Tool] = field(default_factory=list)
     poses: list[str] = field(default_factory=list)
     """The tool's places (k), in words."""

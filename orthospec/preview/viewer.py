@@ -42,7 +42,9 @@ def commands(scene: Scene) -> Iterator[str]:
     from meshcat.path import Path
 
     numbers = count(1)
-    for thing in (*scene.things, *scene.bars, *(tool.ball for tool in scene.tools)):
+    balls = [one.ball for one in scene.joints] + [one.ball for one in scene.tools]
+    things: list[Mesh | Lines | Ball | Bar] = [*scene.things, *scene.bars, *balls]
+    for thing in things:
         made = _object(thing)
         for element in (made.geometry, made.material, made):
             element.uuid = f"{next(numbers):08x}-0000-4000-8000-000000000000"
