@@ -6,18 +6,17 @@ import csv
 from collections.abc import Callable
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
+import trimesh
+import xarray
 
 from orthospec.errors import UsageError
 from orthospec.exchange import KINDS, export
 from orthospec.solution import Solution
 from orthospec.spec import Spec
 from orthospec.study import Study, evaluate
-
-mujoco = pytest.importorskip("mujoco")
-trimesh = pytest.importorskip("trimesh")
-xarray = pytest.importorskip("xarray")
 
 SPEC = """
 orthospec: 1
