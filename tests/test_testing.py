@@ -334,6 +334,22 @@ def test_a_fault_of_a_measure_is_caught(fault: str) -> None:
         check_measure(getattr(WrongMeasure, fault)(), Slider(), REGION)
 
 
+class Sideways(Measure):
+    """How fast the tool goes along x, of the frame that happens to be."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator: Any, poses: Any) -> Any:
+        """|J_x|."""
+        return np.linalg.norm(np.linalg.inv(manipulator.inverse_jacobian(poses))[:, 0], axis=1)
+
+
+def test_a_measure_that_depends_on_the_frame_is_caught() -> None:
+    with pytest.raises(Nonconformity, match=r"depends on the frame in which the machine is told at \("):
+        check_measure(Sideways(), WHOLE)
+
+
 def test_a_machine_without_an_end_asks_for_a_region() -> None:
     class Endless(Slider):
         """Reaches everything."""

@@ -12,8 +12,9 @@ from orthospec.manipulators import Manipulator
 from orthospec.measures import Measure
 from orthospec.measures.demand import bounded_side
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
+from orthospec.testing.frames import turned
 from orthospec.testing.machines import MachineUnderTest
-from orthospec.testing.sampling import CLOSE, INSIDE, SINGLES, boxes, tried_in, within
+from orthospec.testing.sampling import ALIKE, CLOSE, INSIDE, SINGLES, boxes, tried_in, within
 
 if TYPE_CHECKING:
     from orthospec.measures import ConvexForm
@@ -44,6 +45,7 @@ class _Measure:
         survives(self.measure)
         self.declared()
         self.values()
+        self.frame()
         self.enclosure()
         for side in sorted(self.measure.sides):
             form = self.measure.form(self.machine, self.poses, side)
@@ -118,6 +120,26 @@ class _Measure:
             measure,
             f"the value is below 'least' {where(poses, wrong)}",
             f"least is {measure.least}",
+        )
+
+    def frame(self) -> None:
+        """In turned axes the same machine has the same values, unless the measure is given a direction."""
+        named = [value for value in self.measure.model_dump().values() if isinstance(value, list | tuple)]
+        if self.machine.axes != ("x", "y", "z") or named:
+            return
+        axes, _ = np.linalg.qr(np.random.default_rng(4).standard_normal((3, 3)))
+        turn = axes * np.sign(np.linalg.det(axes))
+        poses = self.poses @ turn.T
+        poses.flags.writeable = False
+        here = self.measure.values(self.machine, self.poses)
+        there = self.measure.values(turned(self.machine, turn), poses)
+        alike = np.isclose(here, there, rtol=ALIKE, atol=0).reshape(len(here), -1)
+        wrong = np.asarray(~alike.all(axis=1))
+        expect(
+            not wrong.any(),
+            self.measure,
+            f"the value depends on the frame in which the machine is told {where(self.poses, wrong)}",
+            "a direction of its own has to be a field of the measure",
         )
 
     def enclosure(self) -> None:

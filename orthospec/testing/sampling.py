@@ -21,6 +21,8 @@ POSES, SINGLES, BOXES, INSIDE = 500, 12, 40, 25
 """Tried in a block, one by one, as boxes, and in each box."""
 CLOSE, DIFFERENCE = 1e-9, 1e-5
 """How near two ways to one number have to come, relative: by the same code, and by differences."""
+ALIKE = 1e-7
+"""How near values come in two frames, relative: rounding, and differences where a machine takes them."""
 WELL_INSIDE = 1e-2
 """A margin from which on differences are taken: nearer to its end a field may change too fast for them."""
 LARGER = 2.0
