@@ -8,7 +8,16 @@ const set = (path, property, value) => tell({type: "set_property", path: path, p
 
 for (const command of scene.commands) viewer.handle_command_bytearray(bytes(command));
 for (const path of ["/Grid", "/Axes"]) set(path, "visible", false);
-set("/Cameras/default/rotated/<object>", "position", [1.3, 0.95, 1.55]);
+
+// The viewer would take the window's whole height, now and whenever that changes; here it has its own room.
+const pane = document.getElementById("meshcat-pane");
+const sized = viewer.set_3d_pane_size.bind(viewer);
+viewer.set_3d_pane_size = () => sized(pane.offsetWidth, pane.offsetHeight);
+viewer.set_3d_pane_size();
+
+// Where that is narrow it looks from farther off.
+const away = Math.max(1, (1.1 * pane.offsetHeight) / pane.offsetWidth);
+set("/Cameras/default/rotated/<object>", "position", [1.3, 0.95, 1.55].map((x) => away * x));
 set("/Lights/AmbientLight/<object>", "intensity", 0.75);
 
 // A bar is a cylinder along y, of length 1: turned to its direction, and as long as it has to be.
