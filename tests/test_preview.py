@@ -259,10 +259,11 @@ def test_the_scene_is_drawn_and_its_parts_are_hidden_and_moved(opened: Any) -> N
 def test_on_a_phone_the_scene_stands_above_the_panel(opened: Any) -> None:
     tab = opened[0]
     tab.set_viewport_size({"width": 390, "height": 800})
+    tab.wait_for_function("document.querySelector('canvas').clientWidth === 390")
     canvas, panel = (tab.locator(one).bounding_box() for one in ("canvas", "aside"))
-    assert canvas["y"] + canvas["height"] <= panel["y"] + 1
-    assert canvas["width"] == 390
     tab.set_viewport_size({"width": 700, "height": 450})
+    tab.wait_for_function("document.querySelector('canvas').clientHeight === 450")
+    assert canvas["y"] + canvas["height"] <= panel["y"] + 1
 
 
 def test_a_measure_is_shown_with_its_scale(opened: Any) -> None:

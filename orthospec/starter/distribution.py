@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import importlib.util
+import keyword
 import re
 import shutil
+import sys
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Literal, TypeAlias
 
+from orthospec import registry
 from orthospec.errors import UsageError
 
 Kind: TypeAlias = Literal["measure", "manipulator"]
@@ -26,6 +30,9 @@ def write_plugin(name: str, kind: Kind) -> Path:
             f"'{name}': lower-case letters, digits and single - or _ were expected, as in joint-error"
         )
     module = name.replace("-", "_")
+    taken = _taken(module)
+    if taken:
+        raise UsageError(f"'{name}' is {taken}: give another name")
     folder = Path(name)
     if folder.exists():
         raise UsageError(f"{folder} is there already: give another name, or remove it first")
@@ -44,6 +51,17 @@ def write_plugin(name: str, kind: Kind) -> Path:
         shutil.rmtree(folder, ignore_errors=True)
         raise UsageError(f"{folder}: cannot be written: {(error.strerror or str(error)).lower()}") from None
     return folder
+
+
+def _taken(module: str) -> str:
+    """By what a name is taken; nothing where it is free for a module and for a machine or measure."""
+    if keyword.iskeyword(module):
+        return "a word of Python"
+    if module in sys.stdlib_module_names or importlib.util.find_spec(module) is not None:
+        return "a module that is there already"
+    if any(module in registry.names(group) for group in (registry.MEASURES, registry.MANIPULATORS)):
+        return "an installed machine or measure"
+    return ""
 
 
 def _files(module: str, kind: Kind) -> dict[str, str]:
