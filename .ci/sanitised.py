@@ -16,7 +16,12 @@ assert b"__asan_report" in binary.read_bytes(), f"{binary} is not sanitised"
 print(f"testing {binary}", flush=True)
 tests = [
     str(tree / "tests" / name)
-    for name in ("test_kernels.py", "test_chain_kernel.py", "test_instruction_sets.py")
+    for name in (
+        "test_kernels.py",
+        "test_largest_cubes.py",
+        "test_chain_kernel.py",
+        "test_instruction_sets.py",
+    )
 ]
 options = [
     f"--rootdir={tree}",

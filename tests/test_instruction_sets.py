@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from orthospec.kernels import (
+    Within,
     _kernels,
     chain_compliance,
     close_legs,
+    cube_ends,
     cube_sizes,
     gram_eigenvalues,
+    largest_cube,
     leg_margins,
     symmetric_eigenvalues,
 )
@@ -38,10 +41,14 @@ def compliances() -> tuple[np.ndarray, np.ndarray]:
     return halves @ np.swapaxes(halves, 2, 3), random.standard_normal((77, 3, 2, 6))
 
 
+FIELD = np.random.default_rng(4).choice([0.5, 1.5, np.nan], (22 * 33 * 129, 2), p=[0.97, 0.02, 0.01])
+WITHIN = [Within(values, (22, 33, 129), 0.0, 1.0) for values in (FIELD, FIELD[:, 0], FIELD[:, 1].copy())]
+
 KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
     "cube_sizes": lambda: [
         cube_sizes(np.random.default_rng(3).random(shape) < 0.97) for shape in ((40, 50, 61), (256, 257, 258))
     ],
+    "largest_cube": lambda: [cube_ends(nodes, max(largest_cube(nodes) - 1, 1)) for nodes in WITHIN],
     "symmetric_eigenvalues": lambda: [symmetric_eigenvalues(MATRICES), symmetric_eigenvalues(MATRICES[::-3])],
     "gram_eigenvalues": lambda: [gram_eigenvalues(MATRICES), gram_eigenvalues(np.swapaxes(MATRICES, 1, 2))],
     "chain_compliance": lambda: chain_compliance(*compliances()),

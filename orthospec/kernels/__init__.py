@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orthospec.kernels import _kernels
+from orthospec.kernels.largest_cubes import Within, cube_ends, largest_cube
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,11 +22,14 @@ if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags, Matrices, Poses
 
 __all__ = [
+    "Within",
     "chain_compliance",
     "close_legs",
+    "cube_ends",
     "cube_sizes",
     "gram_eigenvalues",
     "instruction_set",
+    "largest_cube",
     "leg_margins",
     "singular_values",
     "symmetric_eigenvalues",

@@ -3,112 +3,11 @@
  * Only the limited API of Python 3.11 and its buffer protocol: one binary serves all later Pythons, and NumPy
  * is not needed to build it.
  */
-#define PY_SSIZE_T_CLEAN
-#include <Python.h>
-
+#include "arguments.h"
 #include "kernels.h"
-
-#include <string.h>
 
 /* The kernels in use: the best that this processor can run, unless another choice was made. */
 static const Kernels *in_use;
-
-typedef enum { READ, READ_STRIDED, WRITTEN } Access;
-
-/* What an argument has to be: its buffer formats, one letter each, and how many dimensions. */
-typedef struct {
-    const char *name;
-    const char *formats;
-    const char *type;
-    int dimensions;
-    Access access;
-} Argument;
-
-static const char *mismatch(const Py_buffer *view, const Argument *wanted, PyObject **exception)
-{
-    *exception = PyExc_TypeError;
-    if (view->format == NULL || strlen(view->format) != 1 || strchr(wanted->formats, view->format[0]) == NULL)
-        return "has the wrong type of element";
-    *exception = PyExc_ValueError;
-    if (view->ndim != wanted->dimensions)
-        return "has the wrong number of dimensions";
-    if (wanted->access != READ_STRIDED && !PyBuffer_IsContiguous(view, 'C'))
-        return "is not C-contiguous";
-    if (wanted->access == WRITTEN && view->readonly)
-        return "is read-only";
-    return NULL;
-}
-
-/* The buffer of an argument, or -1 and an exception that names the argument. */
-static int take(PyObject *array, Py_buffer *view, const Argument *wanted)
-{
-    if (PyObject_GetBuffer(array, view, PyBUF_FULL_RO) < 0) {
-        PyErr_Format(PyExc_TypeError, "%s: expected an array of %s", wanted->name, wanted->type);
-        return -1;
-    }
-    PyObject *exception;
-    const char *problem = mismatch(view, wanted, &exception);
-    if (problem == NULL)
-        return 0;
-    PyErr_Format(exception, "%s %s: expected %s array of %s with %d dimensions", wanted->name, problem,
-                 wanted->access == READ_STRIDED ? "an" : "a C-contiguous", wanted->type, wanted->dimensions);
-    PyBuffer_Release(view);
-    return -1;
-}
-
-static void release(Py_buffer views[], int count)
-{
-    for (int i = 0; i < count; i++)
-        PyBuffer_Release(&views[i]);
-}
-
-enum { MOST_ARGUMENTS = 6 };
-
-/* All arguments of a kernel, which are released together, or none. */
-static int take_all(PyObject *arguments, const char *signature, const Argument wanted[], Py_buffer views[], int count)
-{
-    PyObject *arrays[MOST_ARGUMENTS];
-    if (!PyArg_ParseTuple(arguments, signature, &arrays[0], &arrays[1], &arrays[2], &arrays[3], &arrays[4],
-                          &arrays[5]))
-        return -1;
-    for (int i = 0; i < count; i++)
-        if (take(arrays[i], &views[i], &wanted[i]) < 0) {
-            release(views, i);
-            return -1;
-        }
-    return 0;
-}
-
-static PyObject *release_all(Py_buffer views[], int count, const char *problem)
-{
-    release(views, count);
-    if (problem == NULL)
-        Py_RETURN_NONE;
-    PyErr_SetString(PyExc_ValueError, problem);
-    return NULL;
-}
-
-/* The bytes from the first element of a view to the end of its last, whatever the signs of its strides. */
-static void extent(const Py_buffer *view, const char **start, const char **end)
-{
-    *start = view->buf;
-    *end = *start + (view->len > 0 ? view->itemsize : 0);
-    for (int axis = 0; view->len > 0 && axis < view->ndim; axis++) {
-        const Py_ssize_t reach = (view->shape[axis] - 1) * view->strides[axis];
-        if (reach < 0)
-            *start += reach;
-        else
-            *end += reach;
-    }
-}
-
-static int overlap(const Py_buffer *a, const Py_buffer *b)
-{
-    const char *start_a, *end_a, *start_b, *end_b;
-    extent(a, &start_a, &end_a);
-    extent(b, &start_b, &end_b);
-    return start_a < end_b && start_b < end_a;
-}
 
 static const char *wrong_sizes(const Py_buffer *mask, const Py_buffer *out)
 {
@@ -140,6 +39,127 @@ static PyObject *cube_sizes(PyObject *Py_UNUSED(module), PyObject *arguments)
         Py_END_ALLOW_THREADS
     }
     return release_all(views, 2, problem);
+}
+
+/* The bounds' part of nodes: low and high have one shape and one layout. */
+static const char *wrong_bounds(const Py_buffer views[2])
+{
+    if (memcmp(views[0].shape, views[1].shape, 3 * sizeof *views[0].shape) != 0)
+        return "high has another shape than low";
+    for (int axis = 0; axis < 3; axis++) {
+        if (views[0].strides[axis] != views[1].strides[axis])
+            return "high has other strides than low";
+        if (views[0].strides[axis] % views[0].itemsize != 0)
+            return "low has strides that are no whole numbers of its elements";
+    }
+    return NULL;
+}
+
+/* The nodes that (mask,) or (low, high, at_least, at_most) tells, in up to two views; how many, or -1. */
+static int take_nodes(PyObject *source, int axes, Py_buffer views[2], Nodes *nodes)
+{
+    static const Argument mask = {"mask", "B?", "uint8 or bool", 3, READ};
+    static const Argument fields[2] = {{"low", "d", "float64", 3, READ_STRIDED}, {"high", "d", "float64", 3, READ_STRIDED}};
+    PyObject *low, *high = NULL;
+    memset(nodes, 0, sizeof *nodes);
+    if (!PyArg_ParseTuple(source, PyTuple_Size(source) == 1 ? "O" : "OOdd;nodes are (mask,) or (low, high, at_least, at_most)",
+                          &low, &high, &nodes->bounds.at_least, &nodes->bounds.at_most))
+        return -1;
+    const int count = high == NULL ? 1 : 2;
+    if (take(low, &views[0], count == 1 ? &mask : &fields[0]) < 0)
+        return -1;
+    if (count == 2 && take(high, &views[1], &fields[1]) < 0) {
+        release_views(views, 1);
+        return -1;
+    }
+    const char *problem = count == 2 ? wrong_bounds(views) : NULL;
+    if (axes != 3 && (axes != 2 || views[0].shape[1] != 1))
+        problem = "axes is neither 3, nor 2 with a second axis of one node";
+    if (problem != NULL) {
+        release_all(views, count, problem);
+        return -1;
+    }
+    nodes->flat = axes == 2;
+    nodes->mask = count == 1 ? views[0].buf : NULL;
+    nodes->bounds.low = views[0].buf;
+    nodes->bounds.high = count == 2 ? views[1].buf : NULL;
+    for (int axis = 0; axis < 3; axis++) {
+        nodes->shape[axis] = (size_t)views[0].shape[axis];
+        nodes->bounds.strides[axis] = views[0].strides[axis] / (Py_ssize_t)sizeof(double);
+    }
+    return count;
+}
+
+static PyObject *largest_cube(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    PyObject *source;
+    int axes;
+    Py_buffer views[2];
+    Nodes nodes;
+    if (!PyArg_ParseTuple(arguments, "O!i:largest_cube", &PyTuple_Type, &source, &axes))
+        return NULL;
+    const int count = take_nodes(source, axes, views, &nodes);
+    if (count < 0)
+        return NULL;
+    uint64_t *const room = PyMem_Calloc(room_for_cubes(&nodes, longest_edge(&nodes)), sizeof *room);
+    size_t edge = 0;
+    if (room != NULL) {
+        Py_BEGIN_ALLOW_THREADS
+        edge = in_use->largest_cube(&nodes, room);
+        Py_END_ALLOW_THREADS
+    }
+    release_views(views, count);
+    PyMem_Free(room);
+    return room == NULL ? PyErr_NoMemory() : PyLong_FromSize_t(edge);
+}
+
+static const char *wrong_ends(const Nodes *nodes, Py_ssize_t edge, const Py_buffer *out)
+{
+    if (edge < 1 || (size_t)edge > longest_edge(nodes))
+        return "edge is not that of a cube that there is room for";
+    if (out->itemsize != 8)
+        return "out has another type of element than uint64";
+    const size_t wanted[3] = {nodes->shape[0], nodes->shape[1], words_of_row(nodes)};
+    for (int axis = 0; axis < 3; axis++)
+        if ((size_t)out->shape[axis] != wanted[axis])
+            return "out has another shape than the nodes' rows of 64-bit words";
+    return NULL;
+}
+
+static PyObject *cube_ends(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    static const Argument wanted = {"out", "LQ", "uint64", 3, WRITTEN};
+    PyObject *source, *array;
+    int axes;
+    Py_ssize_t edge;
+    Py_buffer views[3];
+    Nodes nodes;
+    if (!PyArg_ParseTuple(arguments, "O!inO:cube_ends", &PyTuple_Type, &source, &axes, &edge, &array))
+        return NULL;
+    const int count = take_nodes(source, axes, views, &nodes);
+    if (count < 0)
+        return NULL;
+    Py_buffer *const out = &views[count];
+    if (take(array, out, &wanted) < 0) {
+        release_views(views, count);
+        return NULL;
+    }
+    const char *problem = wrong_ends(&nodes, edge, out);
+    for (int read = 0; read < count; read++)
+        if (overlap(&views[read], out))
+            problem = "out overlaps the nodes";
+    if (problem != NULL)
+        return release_all(views, count + 1, problem);
+    uint64_t *const room = PyMem_Calloc(room_for_cubes(&nodes, (size_t)edge), sizeof *room);
+    if (room == NULL) {
+        release_views(views, count + 1);
+        return PyErr_NoMemory();
+    }
+    Py_BEGIN_ALLOW_THREADS
+    in_use->cube_ends(&nodes, (size_t)edge, room, out->buf);
+    Py_END_ALLOW_THREADS
+    PyMem_Free(room);
+    return release_all(views, count + 1, NULL);
 }
 
 static const char *wrong_eigenvalues(const Py_buffer *matrices, const Py_buffer *out)
@@ -331,6 +351,10 @@ static PyObject *use(PyObject *Py_UNUSED(module), PyObject *arguments)
 static PyMethodDef methods[] = {
     {"cube_sizes", cube_sizes, METH_VARARGS,
      "cube_sizes(mask, out)\n--\n\nEdge in nodes of the largest cube of nonzero nodes that ends at each node."},
+    {"largest_cube", largest_cube, METH_VARARGS,
+     "largest_cube(nodes, axes)\n--\n\nEdge in nodes of the largest cube, or of the largest square for two axes."},
+    {"cube_ends", cube_ends, METH_VARARGS,
+     "cube_ends(nodes, axes, edge, out)\n--\n\nWhere cubes of this edge end, a bit a node."},
     {"symmetric_eigenvalues_3", symmetric_eigenvalues, METH_VARARGS,
      "symmetric_eigenvalues_3(matrices, out)\n--\n\nEigenvalues, ascending, from the lower triangles."},
     {"gram_eigenvalues_3", gram_eigenvalues, METH_VARARGS,

@@ -12,6 +12,12 @@
 #include <stdint.h>
 #include <string.h>
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#define LEAST(a, b) ((a) < (b) ? (a) : (b))
+
 #if defined(_MSC_VER)
 #define RESTRICT __restrict
 #else
@@ -57,6 +63,39 @@ typedef struct {
     size_t count;
 } LegRoom;
 
+/* Nodes are set where at_least <= low and high <= at_most. */
+typedef struct {
+    const double *low, *high; /* in the layout of `strides`, in doubles */
+    ptrdiff_t strides[3];
+    double at_least, at_most;
+} Bounds;
+
+/* Nodes of a grid, set or not. */
+typedef struct {
+    const uint8_t *mask; /* set where nonzero; NULL where bounds tell it */
+    Bounds bounds;
+    size_t shape[3];
+    int flat; /* squares are looked for along the first and last axis; the other has one node */
+} Nodes;
+
+/* The longest edge, in nodes, that a cube among these may have. */
+static inline size_t longest_edge(const Nodes *nodes)
+{
+    const size_t square = LEAST(nodes->shape[0], nodes->shape[2]);
+    return nodes->flat ? square : LEAST(square, nodes->shape[1]);
+}
+
+/* 64-bit words of a row of nodes as bits, of which the last is unset; and words to work in, with `planes` of rows. */
+static inline size_t words_of_row(const Nodes *nodes)
+{
+    return nodes->shape[2] / 64 + 1;
+}
+
+static inline size_t room_for_cubes(const Nodes *nodes, size_t planes)
+{
+    return (planes + 3) * nodes->shape[1] * words_of_row(nodes);
+}
+
 /* One instruction set's kernels. */
 typedef struct {
     const char *name;
@@ -64,6 +103,10 @@ typedef struct {
      * The smallest of `shape` must be in the range of the cells of `sizes`. */
     void (*cube_sizes_u8)(const uint8_t *mask, uint8_t *sizes, const size_t shape[3]);
     void (*cube_sizes_u16)(const uint8_t *mask, uint16_t *sizes, const size_t shape[3]);
+    /* Edge, in nodes, of the largest cube of set nodes; in room for as many planes as the longest edge has nodes. */
+    size_t (*largest_cube)(const Nodes *nodes, uint64_t *room);
+    /* Where cubes of an edge > 0 end: rows of words, the least bit first; in room for `edge` planes. */
+    void (*cube_ends)(const Nodes *nodes, size_t edge, uint64_t *room, uint64_t *ends);
     /* Eigenvalues, ascending, of symmetric matrices, of which the lower triangles are read. */
     void (*symmetric_eigenvalues_3)(const Matrices *matrices, double *eigenvalues);
     /* Those of A^T A. */

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Matrices
 
-__all__ = ["chain_compliance", "cube_sizes", "symmetric_eigenvalues"]
+__all__ = ["chain_compliance", "cube_ends", "cube_sizes", "largest_cube", "symmetric_eigenvalues"]
 
 
 def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
@@ -39,6 +39,24 @@ def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
                         phi[i - 1][j - 1][k - 1],
                     )
     return np.array(phi, dtype=np.int64).reshape(omega.shape)
+
+
+def largest_cube(mask: NDArray[np.uint8 | np.bool_]) -> int:
+    """The greatest Φ, for masks of two or three axes."""
+    return int(_sizes(mask).max(initial=0))
+
+
+def cube_ends(mask: NDArray[np.uint8 | np.bool_], edge: int) -> NDArray[np.int64]:
+    """Where Φ is ``edge`` or more, (n, axes)."""
+    return np.argwhere(_sizes(mask) >= edge)
+
+
+def _sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
+    """Φ; squares of a plane are the cubes of a solid that is everywhere the plane."""
+    if mask.ndim == 3:
+        return cube_sizes(mask)
+    thickness = max(min(mask.shape), 1)
+    return cube_sizes(np.repeat(mask[:, None], thickness, axis=1))[:, -1]
 
 
 def symmetric_eigenvalues(matrices: Matrices) -> Array:

@@ -3,11 +3,15 @@
 #include "chains.inc"
 #include "eigenvalues.inc"
 #include "legs.inc"
+#include "pack.inc"
+#include "largest_cubes.inc"
 
 const Kernels VARIANT = {
     .name = NAME,
     .cube_sizes_u8 = cube_sizes_u8,
     .cube_sizes_u16 = cube_sizes_u16,
+    .largest_cube = largest_cube,
+    .cube_ends = cube_ends,
     .symmetric_eigenvalues_3 = symmetric_eigenvalues_3,
     .gram_eigenvalues_3 = gram_eigenvalues_3,
     .chain_compliance = chain_compliance,
