@@ -35,7 +35,7 @@ from orthospec.errors import OrthospecError
 from orthospec.mechanics import prismatic
 from orthospec.optimise.objective import GoalObjective
 from orthospec.spec import Spec
-from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
+from orthospec.workspace.cuboid import Cuboid, largest
 from orthospec.workspace.field import State, node_states, together
 from orthospec.workspace.fit import FitProblem
 from orthospec.workspace.grid import make_grid
@@ -137,7 +137,7 @@ class Rival:
         except OrthospecError:
             return 0.0
         states, _ = node_states(design.manipulator, list(design.demands), grid)
-        placed = largest(edge_lengths(together(states) == State.MEETS))
+        placed = largest(together(states) == State.MEETS)
         return 0.0 if placed is None else float(np.max(grid.cuboid(placed).size / np.array(asked.size)))
 
 

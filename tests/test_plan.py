@@ -23,7 +23,7 @@ from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
 from orthospec.show import plan_content, show_plan
 from orthospec.spec import Spec, load_spec
-from orthospec.workspace.cuboid import clusters, edge_lengths
+from orthospec.workspace.cuboid import clusters
 from orthospec.workspace.field import BLOCK, State, node_states
 from orthospec.workspace.grid import Grid
 
@@ -105,7 +105,7 @@ def test_the_memory_of_a_grid_is_what_its_states_and_cubes_take(
     assert len(asked) == bounds
     tracemalloc.start()
     states, _ = node_states(planned.design.manipulator, asked, planned.grid)
-    clusters(edge_lengths(states[0] == State.MEETS))
+    clusters(states[0] == State.MEETS)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert planned.memory == pytest.approx(peak, rel=0.25)

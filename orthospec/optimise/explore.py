@@ -14,7 +14,7 @@ from orthospec.optimise.place import Place, fit_at
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Workers, in_order
-from orthospec.workspace.cuboid import Cuboid, edge_lengths, largest
+from orthospec.workspace.cuboid import Cuboid, largest
 from orthospec.workspace.evaluate import Setting
 from orthospec.workspace.field import Progress, State, node_states, reach_alone, together
 from orthospec.workspace.fit import Group
@@ -135,7 +135,7 @@ def coarse_grid(machine: Machine, setting: Setting) -> Grid:
 
 
 def _cuboid(grid: Grid, states: NDArray[np.uint8]) -> Cuboid | None:
-    placement = largest(edge_lengths(states == State.MEETS))
+    placement = largest(states == State.MEETS)
     return None if placement is None else grid.cuboid(placement)
 
 

@@ -72,7 +72,7 @@ class Plan:
     """Where the search begins: the grids are of this one."""
     grid: Grid
     memory: int
-    """Bytes at the most that the grid's nodes take, beside a block of poses at work."""
+    """Bytes that the grid's nodes take, beside a block of poses at work."""
     timed: Timed
     searching: Searching | None
     proofs: int
@@ -143,10 +143,9 @@ def _first(space: DesignSpace, starts: Sequence[tuple[float, ...]]) -> Design:
 
 
 def _memory(design: Design, grid: Grid) -> int:
-    """A byte a node for each bound and level; and where cubes are looked for, their sizes and labels."""
-    cell = (1 if min(grid.shape) <= np.iinfo(np.uint8).max else 2) if len(grid.shape) == 3 else 8
+    """A byte a node for each bound and level; and of one at a time its mask, its bits, where cubes end."""
     states = sum(bool(demand.bounds) + len(demand.levels) for demand in design.demands)
-    return grid.nodes * (7 + cell + max(states, 1))
+    return grid.nodes * (max(states, 1) + 3)
 
 
 def timed(design: Design, grid: Grid) -> Timed:

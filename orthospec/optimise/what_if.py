@@ -1,6 +1,6 @@
 """What moved bounds would do to the cuboids of one design, on the grid, where its measures are kept.
 
-With the values at the nodes in hand a bound is a comparison, and the largest cube of indices a recursion.
+With the values at the nodes in hand a bound is a comparison, and the largest cube of indices one pass.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from orthospec.errors import UsageError
+from orthospec.kernels import largest_cube
 from orthospec.measures import Demand
 from orthospec.optimise.slabs import Slabs
 from orthospec.optimise.space import DesignSpace
@@ -20,7 +21,6 @@ from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.quantities.fields import resolve
 from orthospec.spec import Design, Spec
-from orthospec.workspace.cuboid import edge_lengths
 from orthospec.workspace.field import Block, failed
 from orthospec.workspace.grid import Grid
 
@@ -98,7 +98,7 @@ class Known:
                 if key not in masks:
                     masks[key] = self._met(demand)
             met = reduce(np.logical_and, [masks[key] for key in keys])
-            edge = int(edge_lengths(met.reshape(self.grid.shape)).max(initial=0))
+            edge = largest_cube(met.reshape(self.grid.shape))
             self.scales[keys] = max(edge - 1, 0) / self.spec.workspace.divisions
         return self.scales[keys]
 

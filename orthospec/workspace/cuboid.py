@@ -1,13 +1,13 @@
 """Cuboids in the pose space, and the largest one on a mask of grid nodes.
 
 On a grid whose steps are the prescribed size over N_0, a cuboid of the prescribed proportions is a cube of
-indices; the dynamic program of Pashkevich, Chablat and Wenger (2009), section 4, finds the largest.
+indices (Pashkevich, Chablat and Wenger, 2009, section 4); the kernels find the largest.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -58,38 +58,39 @@ class Placement:
     ties: int
 
 
-def edge_lengths(mask: NDArray[np.bool_]) -> NDArray[Any]:
-    """Φ: edge, in nodes, of the largest cube (square, for two axes) of ones ending at each node."""
-    return kernels.cube_sizes(mask) if mask.ndim == 3 else _square_sizes(mask)
+def largest(mask: NDArray[np.bool_]) -> Placement | None:
+    """The largest cube (square, for two axes) of nodes that are set.
 
-
-def largest(edges: NDArray[Any]) -> Placement | None:
-    """The largest cube; of equal ones that whose centre is nearest the mean of their centres, then the first.
-
-    Distances are compared in integers. None where no node is set; a single node is a cube of 0 steps.
+    Of equal ones that whose centre is nearest the mean of their centres, then the first; distances are
+    compared in integers. None where no node is set; a single node is a cube of 0 steps.
     """
-    edge = int(edges.max(initial=0))
-    return None if edge == 0 else _nearest_mean(np.argwhere(edges == edge), edge)
+    edge = kernels.largest_cube(mask)
+    return None if edge == 0 else _nearest_mean(kernels.cube_ends(mask, edge), edge)
 
 
-def clusters(edges: NDArray[Any]) -> list[Placement]:
+def clusters(mask: NDArray[np.bool_]) -> list[Placement]:
     """One placement for each cluster of cubes within one step of the largest, the largest clusters first.
 
     A grid can prefer the wrong component of the feasible set: it under-reports each by up to two steps.
     """
     from scipy import ndimage
 
-    edge = int(edges.max(initial=0))
+    edge = kernels.largest_cube(mask)
     if edge == 0:
         return []
-    near = edges >= max(edge - 1, 1)
-    labels, count = ndimage.label(near, structure=np.ones((3,) * near.ndim))
-    nodes, label = np.argwhere(near), labels[near]
-    sizes = edges[near]
+    ends = kernels.cube_ends(mask, max(edge - 1, 1))
+    first = ends.min(axis=0)
+    # 1 where a cube one step smaller ends, 2 where one of the largest does; about these nodes alone.
+    marks = np.zeros(ends.max(axis=0) - first + 1, dtype=np.uint8)
+    places = tuple((ends - first).T)
+    marks[places] = 1
+    marks[tuple((kernels.cube_ends(mask, edge) - first).T)] = 2
+    labels, count = ndimage.label(marks, structure=np.ones((3,) * marks.ndim))
+    label, size = labels[places], edge - 2 + marks[places].astype(int)
     found = []
     for k in range(1, count + 1):
-        best = int(sizes[label == k].max())
-        found.append(_nearest_mean(nodes[(label == k) & (sizes == best)], best))
+        best = int(size[label == k].max())
+        found.append(_nearest_mean(ends[(label == k) & (size == best)], best))
     return sorted(found, key=lambda placement: (-placement.steps, -placement.ties, placement.corner))
 
 
@@ -101,15 +102,3 @@ def _nearest_mean(ends: NDArray[np.int64], edge: int) -> Placement:
         offsets = offsets.astype(object)
     nearest = ends[int(np.argmin((offsets**2).sum(axis=1)))]
     return Placement(edge - 1, tuple(int(i) - edge + 1 for i in nearest), count)
-
-
-def _square_sizes(mask: NDArray[np.bool_]) -> NDArray[Any]:
-    """Φ of a plane, row by row: min(run of ones in the row, 1 + the lesser of the two predecessors above)."""
-    index = np.arange(1, mask.shape[1] + 1)
-    runs = index - np.maximum.accumulate(np.where(mask, 0, index), axis=1)
-    edges = np.zeros(mask.shape, dtype=np.int64)
-    above = np.zeros(mask.shape[1] + 1, dtype=np.int64)
-    for i, run in enumerate(runs):
-        edges[i] = np.minimum(run, 1 + np.minimum(above[1:], above[:-1]))
-        above[1:] = edges[i]
-    return edges

@@ -13,7 +13,7 @@ from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand, Level
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
 from orthospec.workspace.critical import find_peaks, highest_peaks
-from orthospec.workspace.cuboid import Cuboid, clusters, edge_lengths, largest
+from orthospec.workspace.cuboid import Cuboid, clusters, largest
 from orthospec.workspace.field import (
     Blocks,
     Failure,
@@ -191,13 +191,13 @@ class _Search:
 
         ``also`` is polished too: a cuboid that a search has placed may stand where the grid shows less.
         """
-        edges = edge_lengths(states == State.MEETS)
-        best = largest(edges)
+        met = states == State.MEETS
+        best = largest(met)
         order = (State.MEETS, State.VIOLATES, State.UNREACHABLE, State.FAILED)
         nodes = {state.name.lower(): int(np.count_nonzero(states == state)) for state in order}
         if best is None:
             return Largest(0.0, 0.0, 0, None, nodes)
-        starts = [self.grid.cuboid(placement) for placement in [best, *clusters(edges)[1:STARTS]]]
+        starts = [self.grid.cuboid(placement) for placement in [best, *clusters(met)[1:STARTS]]]
         starts += [also] if also is not None else []
         machine = Machine(self.machine.manipulator, {demand.name: demand for demand in demands})
         found = polish(machine, list(machine.demands), self.setting.size, starts, self.setting.region)
