@@ -10,10 +10,18 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import numba
 import numpy as np
 from scipy.ndimage import distance_transform_cdt
 
-from orthospec.kernels import chain_compliance, cube_sizes, symmetric_eigenvalues
+from orthospec.kernels import (
+    Within,
+    chain_compliance,
+    cube_ends,
+    cube_sizes,
+    largest_cube,
+    symmetric_eigenvalues,
+)
 
 EDGE = 201
 MATRICES = 200_000
@@ -48,6 +56,37 @@ def runs(mask: np.ndarray) -> np.ndarray:
 def chessboard(mask: np.ndarray) -> np.ndarray:
     """Another question, often taken for this one: half the edge of the largest cube *about* each node."""
     return distance_transform_cdt(np.pad(mask, 1), metric="chessboard")
+
+
+@numba.njit
+def recurrence(mask: np.ndarray) -> int:
+    """The paper's recurrence as it is written, two planes of it, and its maximum."""
+    ni, nj, nk = mask.shape
+    sizes = np.zeros((2, nj + 1, nk + 1), dtype=np.uint16)
+    best = 0
+    for i in range(ni):
+        here, below = sizes[i % 2], sizes[1 - i % 2]
+        for j in range(nj):
+            for k in range(nk):
+                size = 0
+                if mask[i, j, k]:
+                    size = 1 + min(
+                        below[j + 1, k + 1],
+                        here[j, k + 1],
+                        here[j + 1, k],
+                        below[j, k + 1],
+                        below[j + 1, k],
+                        here[j, k],
+                        below[j, k],
+                    )
+                here[j + 1, k + 1] = size
+                best = max(best, size)
+    return best
+
+
+def size_and_places(nodes: Any) -> np.ndarray:
+    """Where the largest cubes end."""
+    return cube_ends(nodes, largest_cube(nodes))
 
 
 def numpy_compliance(platforms: Platforms) -> np.ndarray:
@@ -90,15 +129,39 @@ def platforms(chains: int, wrenches: int) -> Platforms:
     return compliances, random.standard_normal((PLATFORMS, chains, wrenches, 6))
 
 
-def main() -> None:
-    cubes: Rivals = {
-        "cube_sizes": cube_sizes,
-        "the same in NumPy planes": numpy_cube_sizes,
+def compare_cubes() -> None:
+    size: Rivals = {
+        "largest_cube": largest_cube,
+        "largest_cube and cube_ends": size_and_places,
+        "the recurrence in numba": recurrence,
         "distance_transform_cdt (centred cubes)": chessboard,
+        "one read of the mask, numpy.max": np.max,
     }
+    sizes: Rivals = {"cube_sizes": cube_sizes, "the same in NumPy planes": numpy_cube_sizes}
     for name, mask in masks().items():
+        assert largest_cube(mask) == recurrence(mask) == cube_sizes(mask).max()
         np.testing.assert_array_equal(cube_sizes(mask), numpy_cube_sizes(mask))
-        compare(f"{name}, {EDGE}^3 nodes", cubes, mask, mask.size)
+        compare(f"{name}, {EDGE}^3 nodes", size, mask, mask.size)
+        compare("the sizes at all nodes", sizes, mask, mask.size)
+
+
+def compare_fields() -> None:
+    """The ball as a field within a bound: one value a node, and least and greatest."""
+    shape = (EDGE,) * 3
+    axis = np.linspace(-1.0, 1.0, EDGE)
+    x, y, z = np.meshgrid(axis, axis, axis, indexing="ij", sparse=True)
+    squares = (x**2 + y**2 + z**2).ravel()
+    rivals: Rivals = {
+        "largest_cube within bounds": lambda field: largest_cube(Within(field, shape, at_most=0.9)),
+        "one read of the field, numpy.max": np.max,
+    }
+    for name, field in {"one value": squares, "two values": np.column_stack([squares, squares])}.items():
+        compare(f"{name} a node, {EDGE}^3 nodes", rivals, field, squares.size)
+
+
+def main() -> None:
+    compare_cubes()
+    compare_fields()
     matrices = np.random.default_rng(1).standard_normal((MATRICES, 3, 3))
     spectra: Rivals = {
         "symmetric_eigenvalues": symmetric_eigenvalues,
