@@ -24,6 +24,7 @@ from orthospec.preview import preview
 from orthospec.preview.build import overlaid, scene_of
 from orthospec.preview.live import LOOPBACK, server
 from orthospec.preview.scene import Lines, Mesh
+from orthospec.preview.viewer import EXTENT, outline
 from orthospec.report.subject import Subject
 from orthospec.solution import Solution, solution_of
 from orthospec.spec import Spec
@@ -160,6 +161,14 @@ def test_a_machine_waits_with_its_tool_where_it_cannot_go(solved: Solution) -> N
     assert (np.diff(tool.places, axis=0) == 0).all(axis=1).any()
 
 
+def test_the_outline_is_as_large_as_the_scene(solved: Solution) -> None:
+    scene = scene_of(Subject(solved))
+    low, high = scene.ends
+    size = (high - low) * EXTENT / np.max(high - low)
+    np.testing.assert_allclose(outline(scene).max(axis=0), size / 2)
+    np.testing.assert_allclose(outline(scene).min(axis=0), -size / 2)
+
+
 def test_joints_stand_at_the_ends_of_their_bars(solved: Solution) -> None:
     scene = scene_of(Subject(solved))
     ends = {(one.bar, one.end) for one in scene.joints}
@@ -254,6 +263,21 @@ def test_the_scene_is_drawn_and_its_parts_are_hidden_and_moved(opened: Any) -> N
     assert _share(whole, _seen(tab)) > 1e-3
     assert tab.input_value("#place") == "30"
     assert "(" in tab.inner_text("#pose")
+
+
+def test_all_of_the_scene_stands_in_the_middle_of_its_room(opened: Any) -> None:
+    tab = opened[0]
+    seen = tab.evaluate(
+        """() => {
+          viewer.camera.updateMatrixWorld(true);
+          const point = viewer.camera.position.clone();
+          const seen = ([x, y, z]) => point.set(x, z, -y).project(viewer.camera).toArray();
+          return scene.outline.map((place) => seen(place).slice(0, 2));
+        }"""
+    )
+    low, high = np.min(seen, axis=0), np.max(seen, axis=0)
+    np.testing.assert_allclose(low, -high, atol=0.05)
+    assert high.max() == pytest.approx(0.92, abs=1e-3)
 
 
 def test_on_a_phone_the_scene_stands_above_the_panel(browser: Any, page: str, tmp_path: Path) -> None:

@@ -1,6 +1,8 @@
 "use strict";
 // The scene's data: commands for the viewer, bars and their ends at each place of the tool, places in words.
 const scene = JSON.parse(document.getElementById("scene").textContent);
+const VIEW = 40; // Of the eye, upright, in degrees.
+const ROOM = 0.92; // So much of the room is filled.
 const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
 const tell = (command) => viewer.handle_command(command);
@@ -12,12 +14,36 @@ for (const path of ["/Grid", "/Axes"]) set(path, "visible", false);
 // The viewer would take the window's whole height, now and whenever that changes; here it has its own room.
 const pane = document.getElementById("meshcat-pane");
 const sized = viewer.set_3d_pane_size.bind(viewer);
-viewer.set_3d_pane_size = () => sized(pane.offsetWidth, pane.offsetHeight);
-viewer.set_3d_pane_size();
+viewer.set_3d_pane_size = () => {
+  sized(pane.offsetWidth, pane.offsetHeight);
+  if (!turned) fit();
+};
 
-// Where that is narrow it looks from farther off.
-const away = Math.max(1, (1.1 * pane.offsetHeight) / pane.offsetWidth);
-set("/Cameras/default/rotated/<object>", "position", [1.3, 0.95, 1.55].map((x) => away * x));
+// The nearest view from one side that holds the whole outline, until somebody turns it. With a point (u, v, w) to the
+// right, upwards and towards the eye, and the eye at (a, b, c): |u - a| <= t (c - w), and likewise for v and b.
+let turned = false;
+viewer.controls.addEventListener("start", () => { turned = true; });
+const dot = (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+const unit = (p) => p.map((x) => x / Math.hypot(...p));
+function fit() {
+  const back = unit([1.3, 0.95, 1.55]);
+  const right = unit([back[2], 0, -back[0]]);
+  const up = [back[1] * right[2], back[2] * right[0] - back[0] * right[2], -back[1] * right[0]];
+  const slope = Math.tan((VIEW * Math.PI) / 360) * ROOM;
+  const slopes = [(slope * pane.offsetWidth) / pane.offsetHeight, slope];
+  // The viewer's second axis goes up, the scene's third one.
+  const points = scene.outline.map(([x, y, z]) => [x, z, -y]);
+  const ends = [right, up].map((way, k) =>
+    [1, -1].map((sign) => Math.max(...points.map((p) => sign * dot(p, way) + slopes[k] * dot(p, back)))));
+  const eye = [...ends.map(([most, least]) => (most - least) / 2),
+    Math.max(...ends.map(([most, least], k) => (most + least) / (2 * slopes[k])))];
+  const place = [0, 1, 2].map((k) => right[k] * eye[0] + up[k] * eye[1]);
+  viewer.camera.fov = VIEW;
+  viewer.controls.target.set(...place);
+  viewer.camera.position.set(...place.map((x, k) => x + eye[2] * back[k]));
+  viewer.set_dirty();
+}
+viewer.set_3d_pane_size();
 set("/Lights/AmbientLight/<object>", "intensity", 0.75);
 
 // A bar is a cylinder along y, of length 1: turned to its direction, and as long as it has to be.

@@ -12,7 +12,7 @@ import numpy as np
 
 from orthospec.preview.build import overlaid, scene_of
 from orthospec.preview.scene import Scene
-from orthospec.preview.viewer import ROOT, commands, viewer_source
+from orthospec.preview.viewer import ROOT, commands, outline, viewer_source
 from orthospec.report.figures.slices import COLOURS as MAP
 from orthospec.report.subject import Subject
 from orthospec.show import words
@@ -80,6 +80,7 @@ def _data(scene: Scene) -> str:
             for tool in scene.tools
         ],
         "poses": scene.poses,
+        "outline": np.round(outline(scene), DIGITS).tolist(),
     }
     # What stands in a script must not end it.
     return json.dumps(content, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

@@ -116,12 +116,18 @@ class Scene:
     scales: list[Scale] = field(default_factory=list)
 
     @property
-    def ends(self) -> tuple[Array, Array]:
-        """The corners of a box around all of it, each (3,)."""
+    def points(self) -> Array:
+        """What it reaches to, wherever the tool is (p, 3) [m]."""
         points: Sequence[Array] = [
             *(thing.vertices for thing in self.things if isinstance(thing, Mesh)),
             *(thing.segments.reshape(-1, 3) for thing in self.things if isinstance(thing, Lines)),
             *(frames.reshape(-1, 3) for frames in self.frames),
         ]
         every = np.concatenate([one for one in points if len(one)] or [np.zeros((1, 3))])
-        return np.nanmin(every, axis=0), np.nanmax(every, axis=0)
+        return np.asarray(every[np.isfinite(every).all(axis=1)])
+
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """The corners of a box around all of it, each (3,)."""
+        points = self.points
+        return points.min(axis=0), points.max(axis=0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import warnings
 from collections.abc import Iterator
-from itertools import count
+from itertools import count, product
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,9 @@ SIDES = 20
 """Of a cylinder, which is round enough."""
 EXTENT = 2.0
 """The longest edge of a scene as the viewer sees it, whatever its size in metres."""
+
+WAYS = 2
+"""Steps from the middle of a cube's face to its edge: directions go to the nodes between."""
 
 
 def viewer_source() -> str:
@@ -53,6 +56,15 @@ def commands(scene: Scene) -> Iterator[str]:
         if isinstance(thing, Ball):
             yield _packed(told.SetTransform(_moved(thing.centre), path).lower())
     yield _packed(told.SetTransform(_fitted(scene), Path((ROOT,))).lower())
+
+
+def outline(scene: Scene) -> Array:
+    """The points farthest out in many directions (p, 3), in the viewer's units: what a view has to hold."""
+    ways = np.array([way for way in product(range(-WAYS, WAYS + 1), repeat=3) if max(map(abs, way)) == WAYS])
+    points = scene.points
+    far = points[np.unique(np.argmax(points @ ways.T, axis=0))]
+    matrix = _fitted(scene)
+    return np.asarray(far @ matrix[:3, :3].T + matrix[:3, 3])
 
 
 def _meshcat() -> Any:
