@@ -56,7 +56,7 @@ def page(solved: Solution) -> str:
     return preview(solved)
 
 
-def test_the_machine_follows_the_tool_to_each_corner(solved: Solution) -> None:
+def test_the_machine_follows_the_tool_to_each_corner_and_along_each_diagonal(solved: Solution) -> None:
     subject = Subject(solved)
     scene = scene_of(subject)
     (tool,), (frames,) = scene.tools, scene.frames
@@ -67,6 +67,9 @@ def test_the_machine_follows_the_tool_to_each_corner(solved: Solution) -> None:
     reached = {tuple(np.round(one, 9)) for one in tool.places}
     low, high = np.round(place.low, 9), np.round(place.high, 9)
     assert {tuple(np.where([i, j, k], high, low)) for i in (0, 1) for j in (0, 1) for k in (0, 1)} <= reached
+    middles = [k for k, one in enumerate(tool.places) if np.allclose(one, place.centre)]
+    ways = {tuple(np.sign(tool.places[k + 1] - place.centre).astype(int)) for k in middles[1:-1]}
+    assert len(ways | {tuple(-np.array(way)) for way in ways}) == 8
     steps = np.linalg.norm(np.diff(tool.places, axis=0), axis=1)
     assert steps.max() < 0.1 * np.linalg.norm(place.size)
     legs = [k for k, bar in enumerate(scene.bars) if "leg" in bar.path]

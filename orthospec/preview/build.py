@@ -115,13 +115,21 @@ def in_space(machine: Manipulator, poses: Poses) -> Array:
 
 
 def _tour(d: int) -> Array:
-    """Places u (k, d) of the tool: the middle, corner to corner along edges, through the middle, and back."""
-    codes = [number ^ (number >> 1) for number in [*range(2**d), 0]]
-    corners = [np.array([(code >> k & 1) - 0.5 for k in range(d)]) for code in codes]
-    turns = [np.zeros(d), *corners, -corners[-1], np.zeros(d)]
+    """Places u (k, d) of the tool: from the middle, corner to corner, through each diagonal, and back."""
+    corners = [*_corners(d, d), _corners(d, 0)[0]]
+    # An edge leads from the end of one diagonal to the next one.
+    starts = [corner * (-1) ** k for k, corner in enumerate(_corners(d, d - 1))]
+    diagonals = [end for start in starts for end in (start, -start)]
+    turns = [np.zeros(d), *corners, *diagonals[1:], np.zeros(d)]
     parts = np.arange(STEPS) / STEPS
     legs = [a + parts[:, None] * (b - a) for a, b in pairwise(turns)]
     return np.concatenate([*legs, turns[-1][None]])
+
+
+def _corners(d: int, free: int) -> list[Array]:
+    """Corners u (d,), each an edge from the one before it; only the first ``free`` coordinates change."""
+    codes = [number ^ (number >> 1) for number in range(2**free)]
+    return [np.array([(code >> k & 1) - 0.5 for k in range(d)]) for code in codes]
 
 
 def _edges(cuboid: Cuboid) -> Array:
