@@ -150,6 +150,24 @@ def test_machines_of_other_proportions_move_together(solved: Solution, spec_of: 
         assert {len(tool.places) for tool in scene.tools} == {len(scene.poses)}
 
 
+def test_poses_are_told_on_the_axes_of_the_machine_that_takes_them(
+    solved: Solution, spec_of: Callable[..., Spec]
+) -> None:
+    """The first solution has no place to be shown at: the tour is the second one's."""
+    workspace = {**solved.content["workspace"], "prescribed": None, "joint": None}
+    workspace["measures"] = {
+        name: {**record, "prescribed": None} for name, record in workspace["measures"].items()
+    }
+    nowhere = Solution({**solved.content, "workspace": workspace}, solved.spec)
+    assert not scene_of(Subject(nowhere)).poses
+    text = EVALUATED.replace("LENGTH", "1").replace("[0.5, 0.5, 0.25]", "[0.4, 0.3]")
+    flat = spec_of(text)
+    other = Subject(solution_of(flat, evaluate_spec(flat)))
+    scene = overlaid(Subject(nowhere), other)
+    assert scene.poses == scene_of(other).poses
+    assert len(scene.frames) == 1
+
+
 def test_a_machine_waits_with_its_tool_where_it_cannot_go(solved: Solution) -> None:
     """Legs of one metre do not reach the far corners of this cuboid."""
     far = {"min": [-0.2, -0.2, -0.2], "max": [0.9, 0.9, 0.9], "holds": False}
@@ -266,6 +284,18 @@ def test_the_scene_is_drawn_and_its_parts_are_hidden_and_moved(opened: Any) -> N
     assert _share(whole, _seen(tab)) > 1e-3
     assert tab.input_value("#place") == "30"
     assert "(" in tab.inner_text("#pose")
+
+
+def test_a_screen_is_light_or_dark_as_is_chosen(opened: Any) -> None:
+    tab = opened[0]
+    seen = {}
+    for theme in ("light", "dark"):
+        tab.select_option("#theme", theme)
+        seen[theme] = _seen(tab)[-1, -1].mean()
+        ink = tab.evaluate("getComputedStyle(document.body).color")
+        assert ink == {"light": "rgb(27, 28, 31)", "dark": "rgb(232, 233, 236)"}[theme]
+    tab.select_option("#theme", "")
+    assert seen["dark"] < 40 < 200 < seen["light"]
 
 
 def test_all_of_the_scene_stands_in_the_middle_of_its_room(opened: Any) -> None:

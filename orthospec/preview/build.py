@@ -92,7 +92,7 @@ def _machine(
     machine = len(scene.frames)
     for k, (name, radius) in enumerate(zip(skeleton.names, skeleton.radii, strict=True)):
         ground = name.startswith(("slide", "rail", "base"))
-        bar = Bar(f"{path}/{name}", float(radius), GROUND if ground else colour)
+        bar = Bar(f"{path}/{name}", float(radius), GROUND if ground else colour, ground)
         scene.bars.append(bar)
         for end in (0, 1):
             ball = Ball(f"{path}/{name}-{'ab'[end]}", np.zeros(3), JOINT * bar.radius, bar.colour)

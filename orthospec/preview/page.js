@@ -116,19 +116,25 @@ if (chosen) {
       const legend = document.getElementById("legend-" + option.value);
       if (legend) legend.hidden = !option.selected;
     }
+    // Nothing tints the colours of values.
+    set("/scene/cuboid/faces", "visible", !chosen.value);
     viewer.set_dirty();
   };
   chosen.addEventListener("change", apply);
   apply();
 }
 
+const theme = document.getElementById("theme");
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 function dress() {
-  const colours = dark.matches ? [[0.13, 0.14, 0.16], [0.07, 0.075, 0.085]] : [[0.97, 0.975, 0.985], [0.84, 0.86, 0.89]];
+  document.documentElement.dataset.theme = theme.value;
+  const night = theme.value ? theme.value === "dark" : dark.matches;
+  const colours = night ? [[0.13, 0.14, 0.16], [0.07, 0.075, 0.085]] : [[0.97, 0.975, 0.985], [0.84, 0.86, 0.89]];
   set("/Background", "top_color", colours[0]);
   set("/Background", "bottom_color", colours[1]);
   viewer.set_dirty();
 }
 dark.addEventListener("change", dress);
+theme.addEventListener("change", dress);
 dress();
 document.body.dataset.ready = "yes";

@@ -31,6 +31,11 @@ INDICES = 4
 DIGITS = 6
 """Of coordinates in frames [m]: a micrometre is more than a screen shows."""
 
+_SCREEN = """<h2 id="screen">Light or dark</h2>
+<select id="theme" aria-labelledby="screen"><option value="">as the system</option>
+<option>light</option><option>dark</option></select>
+"""
+
 
 def preview(solution: Solution, other: Solution | None = None) -> str:
     """The whole page: the same text for the same solution, on any day; it loads nothing.
@@ -98,6 +103,7 @@ def _panel(subject: Subject, scene: Scene, title: str) -> Iterator[str]:
     yield from _motion(scene)
     yield from _measures(scene)
     yield from _groups(scene)
+    yield _SCREEN
 
 
 def _motion(scene: Scene) -> Iterator[str]:

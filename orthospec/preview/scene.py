@@ -60,6 +60,8 @@ class Bar:
     path: str
     radius: float
     colour: Colour
+    square: bool = False
+    """As rails are, which do not turn."""
 
 
 @dataclass(frozen=True)

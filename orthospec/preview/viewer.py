@@ -94,6 +94,8 @@ def _object(thing: Mesh | Lines | Ball | Bar) -> Any:
         )
     if isinstance(thing, Ball):
         return geometry.Mesh(geometry.Sphere(thing.radius), _material(thing.colour))
+    if thing.square:
+        return geometry.Mesh(geometry.Box([2 * thing.radius, 1.0, 2 * thing.radius]), _material(thing.colour))
     cylinder = geometry.Cylinder(1.0, radius=thing.radius)
     cylinder.radialSegments = SIDES
     return geometry.Mesh(cylinder, _material(thing.colour))
@@ -111,7 +113,9 @@ def _material(colour: Colour, opacity: float = 1.0, of_values: bool = False) -> 
     from meshcat import geometry
 
     if of_values:  # Light and shade would change what a colour means.
-        return geometry.MeshBasicMaterial(vertexColors=True)
+        # They stand behind the lines and faces that lie in the same plane.
+        behind = {"polygonOffset": True, "polygonOffsetFactor": 1, "polygonOffsetUnits": 1}
+        return geometry.MeshBasicMaterial(vertexColors=True, **behind)
     if opacity < 1.0:
         return geometry.MeshPhongMaterial(color=_number(colour), opacity=opacity, depthWrite=False)
     return geometry.MeshPhongMaterial(color=_number(colour), shininess=40)
