@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from orthospec.optimise.cache import Cache
 from orthospec.optimise.slabs import Slab, Slabs, measure_slab
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.spec import Design, Spec
+from orthospec.workspace.cells import grid_states
 from orthospec.workspace.evaluate import evaluate
 from orthospec.workspace.field import fields, node_states
 from orthospec.workspace.grid import Grid
@@ -184,9 +186,8 @@ def test_a_slab_out_of_reach_has_no_values(spec: Spec) -> None:
 
 def test_an_evaluation_is_the_same_with_help(spec: Spec, design: Design) -> None:
     machine, space = machine_of(design), DesignSpace(spec, helpers=Backwards())
-    assert repr(evaluate(machine, space.setting, blocks=Slabs(space, LEG))) == repr(
-        evaluate(machine, space.setting)
-    )
+    shared = partial(grid_states, blocks=Slabs(space, LEG))
+    assert repr(evaluate(machine, space.setting, states_of=shared)) == repr(evaluate(machine, space.setting))
 
 
 def test_a_space_takes_its_folder_to_other_processes_where_there_is_one(spec: Spec, tmp_path: Path) -> None:

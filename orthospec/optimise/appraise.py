@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from orthospec.errors import OrthospecError, PluginFault, WorkersLost
 from orthospec.measures import Level
-from orthospec.optimise.slabs import Slabs
+from orthospec.optimise.grid_parts import GridStates
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Workers, in_order
@@ -62,13 +62,13 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
     """Measure a design; a measure that fails is left out and named."""
     setting = replace(space.setting, divisions=one.divisions)
     prescribed = None if one.prescribed is None else dict(one.prescribed)
-    blocks = Slabs(space, one.values)
+    states_of = GridStates(space, one.values)
     faults: list[PluginError] = []
     try:
         machine = machine_of(space.spec.design(dict(zip(space.spec.variables, one.values, strict=True))))
         while True:
             try:
-                evaluation = evaluate(machine, setting, prescribed, progress, blocks)
+                evaluation = evaluate(machine, setting, prescribed, progress, states_of)
             except PluginFault as fault:
                 others = {name: d for name, d in machine.demands.items() if d.place != fault.place}
                 if len(others) == len(machine.demands):

@@ -11,17 +11,15 @@ import numpy as np
 from orthospec.composite.trust_region import FEASIBLE
 from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand, Level
+from orthospec.workspace.cells import FindStates, grid_states
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
 from orthospec.workspace.critical import find_peaks, highest_peaks
 from orthospec.workspace.cuboid import Cuboid, clusters, largest
 from orthospec.workspace.field import (
-    Blocks,
     Failure,
     Progress,
     State,
     measured,
-    measured_blocks,
-    node_states,
     reach_alone,
     together,
 )
@@ -129,19 +127,19 @@ def evaluate(
     setting: Setting,
     prescribed: Mapping[str, Cuboid] | None = None,
     progress: Progress | None = None,
-    blocks: Blocks = measured_blocks,
+    states_of: FindStates = grid_states,
 ) -> Evaluation:
     """Measure one design.
 
     ``prescribed`` gives the places of the prescribed cuboids, by measure, and "" for the joint one; where it
-    is left out each stands centred on its largest cuboid. ``blocks`` gives the values on the grid.
+    is left out each stands centred on its largest cuboid. ``states_of`` finds the states on the grid.
     """
     demands = list(machine.demands.values())
     bounded = [demand for demand in demands if demand.bounds]
     levels = [(demand, level) for demand in demands for level in demand.levels]
     grid = make_grid(machine.manipulator, setting.size, setting.divisions, setting.region)
     asked = [*bounded, *(demand.at(level) for demand, level in levels)]
-    states, failures = node_states(machine.manipulator, asked, grid, progress, blocks)
+    states, failures = states_of(machine.manipulator, asked, grid, progress)
     look = _Search(machine, setting, grid)
     known = prescribed or {}
     own = {

@@ -141,21 +141,30 @@ def node_states(
             if owner.name not in block.values:
                 continue
             values = block.values[owner.name]
+            state[block.nodes][block.reachable] = judged(demand, values)
             fails = failed(values)
-            met = np.where(demand.meets(values), State.MEETS, State.VIOLATES)
-            state[block.nodes][block.reachable] = np.where(fails, State.FAILED, met)
             if fails.any():
                 node = block.start + int(np.flatnonzero(block.reachable)[np.argmax(fails)])
                 failed_at[demand.name] = min(node, failed_at.get(demand.name, node))
         if not demands:
             states[0][block.nodes][block.reachable] = State.MEETS
+    return [state.reshape(grid.shape) for state in states], failures_at(failed_at, demands, grid)
+
+
+def judged(demand: Demand, values: Array) -> NDArray[np.uint8]:
+    """The states of reachable nodes at which a measure has these values."""
+    met = np.where(demand.meets(values), np.uint8(State.MEETS), np.uint8(State.VIOLATES))
+    return np.where(failed(values), np.uint8(State.FAILED), met)
+
+
+def failures_at(nodes: Mapping[str, int], demands: Sequence[Demand], grid: Grid) -> list[Failure]:
+    """The failures of measures at these nodes, by the demand's name."""
     places = {demand.name: demand.place for demand in demands}
-    failures = [
-        Failure(name, tuple(map(float, grid.poses(failed_at[name], failed_at[name] + 1)[0])), place)
+    return [
+        Failure(name, tuple(map(float, grid.poses(nodes[name], nodes[name] + 1)[0])), place)
         for name, place in places.items()
-        if name in failed_at
+        if name in nodes
     ]
-    return [state.reshape(grid.shape) for state in states], failures
 
 
 def failed(values: Array) -> NDArray[np.bool_]:
