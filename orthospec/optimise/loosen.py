@@ -167,7 +167,9 @@ def _solve(
     space: DesignSpace, place: Place, aims: Aims, limits: Limits, relaxed: dict[Condition, float]
 ) -> Look:
     start = np.clip(place.design, *limits.design), place.scale
-    problem = FitProblem(space.machine, space.setting.size, place.groups, aims, limits, start, relaxed)
+    problem = FitProblem(
+        space.machine, space.setting.size, place.groups, aims, limits, start, relaxed, forms=space.forms
+    )
     solved = minimise(problem, problem.start, most=SUBPROBLEMS)
     return Look(float(solved.violation), float(solved.factor), place.at(problem.layout.unpack(solved.x)))
 

@@ -105,6 +105,7 @@ def fit_at(
         (inside, place.scale),
         relaxed,
         pinned,
+        space.forms,
     )
     if learnt is None:
         objective.settle(space.machine(inside), problem.layout.unpack(problem.start))

@@ -14,6 +14,7 @@ from orthospec.optimise.cache import Cache, cache_there
 from orthospec.spec import Design, Spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting
+from orthospec.workspace.forms import Forms
 from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
@@ -32,7 +33,13 @@ class DesignSpace:
     It is what every task is handed: a worker process unpacks the space of a spec once, and keeps it.
     """
 
-    def __init__(self, spec: Spec, cache: Cache | None = None, helpers: Workers | None = None) -> None:
+    def __init__(
+        self,
+        spec: Spec,
+        cache: Cache | None = None,
+        helpers: Workers | None = None,
+        forms: Forms | None = None,
+    ) -> None:
         self.spec, self.setting = spec, setting_of(spec)
         self.cache = cache
         """Where fields are kept."""
@@ -42,6 +49,8 @@ class DesignSpace:
         self.names = tuple(varying)
         self.low = np.array([v.min for v in varying.values()], dtype=float)
         self.high = np.array([v.max for v in varying.values()], dtype=float)
+        self.forms = forms or Forms()
+        """Compiled once, for all fits."""
         self._remembered = lru_cache(REMEMBERED)(self._build)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -54,11 +63,11 @@ class DesignSpace:
 
     def kept_in(self, cache: Cache) -> DesignSpace:
         """The same space, its fields kept."""
-        return DesignSpace(self.spec, cache, self.helpers)
+        return DesignSpace(self.spec, cache, self.helpers, self.forms)
 
     def helped_by(self, helpers: Workers) -> DesignSpace:
         """The same space, for a task that shares out its parts."""
-        return DesignSpace(self.spec, self.cache, helpers)
+        return DesignSpace(self.spec, self.cache, helpers, self.forms)
 
     def values(self, z: Array) -> dict[str, float]:
         """All variables' values, exact at both ends of their ranges; a catalogue's is its start."""

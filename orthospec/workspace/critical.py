@@ -182,12 +182,14 @@ def _newton(
 def _ascent(slope: Array, bend: Array, held: NDArray[np.bool_], fixed: Array, reach: float) -> Array:
     """Newton's step on the free coordinates of each point, the held ones moved as given."""
     moves = fixed.copy()
-    for k in range(len(slope)):
-        free = ~held[k]
-        gradient = slope[k][free] + bend[k][np.ix_(free, ~free)] @ fixed[k][~free]
-        eigenvalues, vectors = np.linalg.eigh(bend[k][np.ix_(free, free)])
-        down = -np.maximum(np.abs(eigenvalues), 1e-9)
-        moves[k][free] = np.clip(-(vectors / down) @ (vectors.T @ gradient), -reach, reach)
+    for free in np.unique(~held, axis=0):
+        (these,) = np.nonzero((~held == free).all(axis=1))
+        among = bend[these][:, free]
+        gradient = slope[these][:, free] + (among[:, :, ~free] @ fixed[these][:, ~free, None])[:, :, 0]
+        eigenvalues, vectors = np.linalg.eigh(among[:, :, free])
+        down = np.maximum(np.abs(eigenvalues), 1e-9)
+        along = (np.swapaxes(vectors, 1, 2) @ gradient[:, :, None])[:, :, 0] / down
+        moves[np.ix_(these, free)] = np.clip((vectors @ along[:, :, None])[:, :, 0], -reach, reach)
     return moves
 
 

@@ -74,7 +74,8 @@ class FitProblem:
 
     ``build`` maps a scaled design to its `Machine`, or raises UnbuildableDesign; ``start`` is a scaled design
     and a scale. ``relaxed`` loosens conditions by so much, which is how a price is found. ``pinned`` (n, d)
-    are poses at which peaks are known to be that no lattice shows.
+    are poses at which peaks are known to be that no lattice shows. ``forms`` have been compiled for others of
+    the same demands.
     """
 
     def __init__(
@@ -87,12 +88,13 @@ class FitProblem:
         start: tuple[Array, float],
         relaxed: Mapping[Condition, float] | None = None,
         pinned: Array | None = None,
+        forms: Forms | None = None,
     ) -> None:
         self.pinned = np.zeros((0, len(size))) if pinned is None else pinned[:, : len(size)]
         self.size, self.groups, self.lattice = size, tuple(groups), NODES
         self._build, self._objective, self._relaxed = build, objective, dict(relaxed or {})
         self._built: tuple[bytes, Machine] | None = None
-        self._forms = Forms()
+        self._forms = forms or Forms()
         centres = np.array([group.centre for group in groups])
         if limits.scale is None:
             centres = np.clip(centres, *limits.centres(size))

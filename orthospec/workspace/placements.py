@@ -38,6 +38,8 @@ ROOM, APART, MOST_CRITICAL = 0.05, 0.01, 24
 """A condition has little room below this; places nearer than this are one; critical points at most."""
 FAR = 1024.0
 """Without a region, centres are looked at within so many sizes of the origin."""
+NEAR = 4.0
+"""Those within so many sizes of the largest cuboid's centre may be near the machine's reach."""
 FINEST = 2.0**-40
 
 
@@ -50,8 +52,7 @@ def none_fits(
     False where more than ``most`` boxes are needed, as where one does fit.
     """
     search = _Search(machine, size, largest)
-    whole = _centres(size, region)
-    spent, waiting = 0, whole
+    spent, waiting = 0, _centres(size, region, np.zeros(len(size)) if largest is None else largest.centre)
     while len(waiting):
         # The last are the smallest: where a cuboid does fit, the search comes to its end there first.
         waiting, boxes = waiting[:-BATCH], waiting[-BATCH:]
@@ -72,11 +73,17 @@ def _cut(boxes: Boxes, size: Array) -> Boxes:
     return boxes
 
 
-def _centres(size: Array, region: Cuboid | None) -> Boxes:
-    """All centres, as one box; none where the region is too small."""
+def _centres(size: Array, region: Cuboid | None, middle: Array) -> Boxes:
+    """All centres, as one box or some; none where the region is too small.
+
+    Without a region those near the ``middle`` stand apart from those far out, which are excluded at once.
+    """
     if region is None:
-        half = FAR * size
-        return Boxes(-half[None], half[None])
+        ends = np.stack([-FAR * size, middle - NEAR * size, middle + NEAR * size, FAR * size])
+        cuts = np.clip(ends, -FAR * size, FAR * size)
+        thirds = np.array(list(product(range(3), repeat=len(size))))
+        axes = np.arange(len(size))
+        return Boxes(cuts[thirds, axes], cuts[thirds + 1, axes])
     low, high = np.array(region.low) + size / 2, np.array(region.high) - size / 2
     if (low > high).any():
         return Boxes(np.zeros((0, len(size))), np.zeros((0, len(size))))

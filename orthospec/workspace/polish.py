@@ -16,6 +16,7 @@ from orthospec.composite.trust_region import FEASIBLE, minimise
 from orthospec.workspace.conditions import Extreme
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.fit import FitProblem, Group
+from orthospec.workspace.forms import Forms
 from orthospec.workspace.layout import Limits, Point
 from orthospec.workspace.machine import Machine
 
@@ -71,8 +72,9 @@ def polish(
     None where no start led to one. Error below 1e-6 of the size where the measures are smooth.
     """
     best: Polished | None = None
+    forms = Forms()
     for start in starts:
-        for problem in _problems(machine, names, size, start, region):
+        for problem in _problems(machine, names, size, start, region, forms):
             found = minimise(problem, problem.start)
             if found.violation <= FEASIBLE:
                 if best is None or -found.factor > best.scale:
@@ -82,7 +84,7 @@ def polish(
 
 
 def _problems(
-    machine: Machine, names: Sequence[str], size: Array, start: Cuboid, region: Cuboid | None
+    machine: Machine, names: Sequence[str], size: Array, start: Cuboid, region: Cuboid | None, forms: Forms
 ) -> Iterator[FitProblem]:
     """The problem from a grid cuboid; then from the first smaller one in which everything holds.
 
@@ -94,7 +96,8 @@ def _problems(
     scale = max(float(np.max(start.size / size)), SMALLEST)
     limits = Limits((none, none), region, scale=(1e-9, max(1e3, 10 * scale)))
     for shrinking in range(SHRINKINGS):
-        problem = FitProblem(lambda _: machine, size, [group], LargestScale(), limits, (none, scale))
+        aim, begin = LargestScale(), (none, scale)
+        problem = FitProblem(lambda _: machine, size, [group], aim, limits, begin, forms=forms)
         violation = problem.assess(problem.start).violation
         if violation <= FEASIBLE or (shrinking == 0 and np.isfinite(violation)):
             yield problem
