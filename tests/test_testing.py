@@ -13,6 +13,7 @@ from orthospec.manipulators import Manipulator, Skeleton
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import ConvexForm, Measure
+from orthospec.measures.elastic import Deflection
 from orthospec.quantities import Length, Number
 from orthospec.registry import MEASURES, distribution_of, find_measure, names
 from orthospec.testing import Nonconformity, check_manipulator, check_measure
@@ -26,8 +27,9 @@ WHOLE = Orthoglide.model_validate(
             "material": "steel",
             "spacing": 0.08,
         },
-        "actuators": {"stiffness": 5e7, "mass": 1.0, "force": 100.0, "speed": 1.0},
+        "actuators": {"stiffness": 5e7, "mass": 1.0, "force": 100.0, "speed": 1.0, "friction": 2.0},
         "platform": {"mass": 1.0},
+        "gravity": [0.5, -1.0, -9.0],
     }
 )
 BUILT_IN = [n for n in names(MEASURES) if distribution_of(MEASURES, n).distribution == "orthospec"]
@@ -35,7 +37,7 @@ KEYS: Mapping[str, Mapping[str, float]] = {
     "deflection": {"force": 100.0},
     "rotation": {"torque": 10.0},
     "joint_speed": {"speed": 1.0},
-    "actuator_force": {"acceleration": 1.0},
+    "actuator_force": {"acceleration": 1.0, "speed": 2.0},
 }
 
 
@@ -48,6 +50,10 @@ def test_the_built_in_machines_conform() -> None:
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_the_measures_at_hand_conform(name: str) -> None:
     check_measure(find_measure(name)(**KEYS.get(name, {})), WHOLE)
+
+
+def test_a_measure_whose_numbers_have_different_units_conforms() -> None:
+    check_measure(Deflection(wrench=(10.0, -20.0, 5.0, 1.0, 2.0, -3.0)), WHOLE)
 
 
 class Slider(Manipulator):
@@ -230,17 +236,19 @@ def test_a_fault_of_a_machine_is_caught(fault: str) -> None:
 
 
 class Height(Measure):
-    """Distance of the tool from the x axis and one metre more, times a factor."""
+    """Distance of the tool from the x axis and something more, times a factor."""
 
     factor: Number = 1.0
     """By what it is multiplied."""
+    more: Length = 1.0
+    """What is added [m]."""
     unit: ClassVar[str] = "m"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
     least: ClassVar[float] = 0.0
 
     def values(self, manipulator: Any, poses: Any) -> Any:  # noqa: ARG002
-        """1 + |y|."""
-        return self.factor * (1 + np.abs(poses[:, 1]))
+        """What is added and |y|."""
+        return self.factor * (self.more + np.abs(poses[:, 1]))
 
 
 class WrongMeasure:
@@ -284,6 +292,17 @@ class WrongMeasure:
 
         least: ClassVar[float] = 1.2
 
+    class Metres(Height):
+        """A length stands in the code."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            return super().values(manipulator, poses) + 0.1
+
+    class Fast(Height):
+        """A unit that is not that of the values."""
+
+        unit: ClassVar[str] = "m/s"
+
     class Certain(Height):
         """An enclosure that is too narrow."""
 
@@ -318,6 +337,8 @@ MEASURES_WITH_FAULTS = {
     "Company": "alone and",
     "Swapped": "the least value exceeds the greatest",
     "Below": "the value is below 'least'",
+    "Metres": r"the value is no 'm' at \(.*\): with a unit of length 0.5 times as large it is .*, not",
+    "Fast": r"the value is no 'm/s' at \(.*\): with a unit of time 0.5 times as large it is .*, not",
     "Certain": "the value leaves its enclosure",
     "Lenient": "the form of at_most needs a slack of",
     "Absolute": "the form of at_most needs a slack of",

@@ -21,10 +21,11 @@ from orthospec.testing.sampling import (
     WELL_INSIDE,
     block,
     boxes,
-    enlarged,
+    retold,
     tried_in,
     within,
 )
+from orthospec.testing.views import Units
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Poses
@@ -188,7 +189,7 @@ class MachineUnderTest:
 
     def lengths(self) -> None:
         """A machine twice as large, at poses twice as far, has joints twice as long, and angles the same."""
-        larger = enlarged(self.machine)
+        larger = retold(self.machine, Units(length=LARGER))
         if larger is None or set(self.machine.axes) - {"x", "y", "z"}:
             return
         joints, reachable = self.machine.inverse_kinematics(self.poses)

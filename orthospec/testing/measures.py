@@ -12,11 +12,12 @@ from orthospec.manipulators import Manipulator
 from orthospec.measures import Measure
 from orthospec.measures.demand import bounded_side
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
-from orthospec.testing.frames import turned
 from orthospec.testing.machines import MachineUnderTest
-from orthospec.testing.sampling import ALIKE, CLOSE, INSIDE, SINGLES, boxes, tried_in, within
+from orthospec.testing.sampling import ALIKE, CLOSE, INSIDE, LARGER, SINGLES, boxes, retold, tried_in, within
+from orthospec.testing.views import Units, axis_factors, in_units, turned
 
 if TYPE_CHECKING:
+    from orthospec.arrays import Array, Poses
     from orthospec.measures import ConvexForm
     from orthospec.workspace.cuboid import Cuboid
 
@@ -46,6 +47,7 @@ class _Measure:
         self.declared()
         self.values()
         self.frame()
+        self.units()
         self.enclosure()
         for side in sorted(self.measure.sides):
             form = self.measure.form(self.machine, self.poses, side)
@@ -129,10 +131,10 @@ class _Measure:
             return
         axes, _ = np.linalg.qr(np.random.default_rng(4).standard_normal((3, 3)))
         turn = axes * np.sign(np.linalg.det(axes))
-        poses = self.poses @ turn.T
-        poses.flags.writeable = False
         here = self.measure.values(self.machine, self.poses)
-        there = self.measure.values(turned(self.machine, turn), poses)
+        there = seen(self.measure, turned(self.machine, turn), self.poses @ turn.T)
+        if there is None:
+            return
         alike = np.isclose(here, there, rtol=ALIKE, atol=0).reshape(len(here), -1)
         wrong = np.asarray(~alike.all(axis=1))
         expect(
@@ -141,6 +143,33 @@ class _Measure:
             f"the value depends on the frame in which the machine is told {where(self.poses, wrong)}",
             "a direction of its own has to be a field of the measure",
         )
+
+    def units(self) -> None:
+        """In other units of length, mass and time the values are what the measure's unit says.
+
+        With angles among joints or pose coordinates a norm mixes them with lengths: then not for those.
+        """
+        angles = {*self.machine.axes} - {"x", "y", "z"} or {*self.machine.joint_units} - {"m"}
+        here = self.measure.values(self.machine, self.poses)
+        for kind in ("mass", "time") if angles else ("length", "mass", "time"):
+            for units in (Units(**{kind: factor}) for factor in (LARGER, 1 / LARGER)):
+                measure = retold(self.measure, units)
+                poses = self.poses * axis_factors(self.machine, units)
+                there = None if measure is None else seen(measure, in_units(self.machine, units), poses)
+                if there is None:
+                    continue
+                owed = here * units.of(self.measure.unit)
+                size = float(np.abs(owed[np.isfinite(owed)]).max(initial=0.0))
+                alike = np.isclose(there, owed, rtol=ALIKE, atol=CLOSE * size).reshape(len(here), -1)
+                wrong = np.asarray(~alike.all(axis=1))
+                k = int(np.argmax(wrong))
+                expect(
+                    not wrong.any(),
+                    self.measure,
+                    f"the value is no '{self.measure.unit}' {where(self.poses, wrong)}: with a unit of {kind}"
+                    f" {1 / getattr(units, kind):g} times as large it is {there[k]}, not {owed[k]}",
+                    "what has a unit has to be a field with that unit, no number in the code; check 'unit'",
+                )
 
     def enclosure(self) -> None:
         """Values at poses of a box lie within what is told of the whole box."""
@@ -190,6 +219,15 @@ class _Measure:
                     f" {at(self.poses[k])}",
                     "0 where the value meets it, else about the logarithm of their ratio",
                 )
+
+
+def seen(measure: Measure, view: Manipulator, poses: Poses) -> Array | None:
+    """The values on a machine seen otherwise; None where the measure is for machines of one class alone."""
+    poses.flags.writeable = False
+    try:
+        return measure.values(view, poses)
+    except Exception:
+        return None
 
 
 def least_slack(form: ConvexForm, k: int, bound: float) -> float:

@@ -1,10 +1,11 @@
-"""Where plugins are tried: poses, boxes of poses, and machines twice as large."""
+"""Where plugins are tried: poses, boxes of poses, and other units."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+from pydantic import BaseModel
 
 from orthospec.errors import OrthospecError
 from orthospec.intervals import Boxes
@@ -16,13 +17,16 @@ from orthospec.workspace.grid import reach_box
 if TYPE_CHECKING:
     from orthospec.arrays import Poses
     from orthospec.manipulators import Manipulator
+    from orthospec.testing.views import Units
+
+Model = TypeVar("Model", bound=BaseModel)
 
 POSES, SINGLES, BOXES, INSIDE = 500, 12, 40, 25
 """Tried in a block, one by one, as boxes, and in each box."""
 CLOSE, DIFFERENCE = 1e-9, 1e-5
 """How near two ways to one number have to come, relative: by the same code, and by differences."""
 ALIKE = 1e-7
-"""How near values come in two frames, relative: rounding, and differences where a machine takes them."""
+"""How near values come in two frames or units, relative: to rounding, and to differences if taken."""
 WELL_INSIDE = 1e-2
 """A margin from which on differences are taken: nearer to its end a field may change too fast for them."""
 LARGER = 2.0
@@ -47,25 +51,36 @@ def block(box: Cuboid, axes: int, seed: int, count: int = POSES) -> Poses:
     return box.poses(u, axes)
 
 
-def enlarged(machine: Manipulator) -> Manipulator | None:
-    """The machine with all its lengths doubled; None where that cannot be built."""
-    keys = machine.model_dump(mode="json", by_alias=True, exclude_none=True)
-    for key in keys_of(type(machine)).every():
-        if key.units == ("m",):
-            _scale(keys, key.path)
+def retold(one: Model, units: Units) -> Model | None:
+    """The same machine or measure with its fields told in other units; None where that cannot be built."""
+    keys = one.model_dump(mode="json", by_alias=True, exclude_none=True)
+    for key in keys_of(type(one)).every():
+        *stem, last = key.path
+        holder: Any = keys
+        for name in stem:
+            holder = holder.get(name) if isinstance(holder, dict) else None
+        if not key.units or not isinstance(holder, dict) or last not in holder:
+            continue
+        factors = [units.of(unit) for unit in key.units]
+        if len(factors) == 1:
+            holder[last] = _times(holder[last], factors[0])
+        elif isinstance(holder[last], list) and len(holder[last]) == len(factors):
+            holder[last] = [_times(*pair) for pair in zip(holder[last], factors, strict=True)]
+        else:
+            return None  # Which number has which unit is not known.
     try:
-        return type(machine).model_validate(keys)
+        return type(one).model_validate(keys)
     except ValueError:
         return None
 
 
-def _scale(keys: Any, path: tuple[str, ...]) -> None:
-    *stem, last = path
-    for name in stem:
-        keys = keys.get(name) if isinstance(keys, dict) else None
-    if isinstance(keys, dict) and keys.get(last) is not None:
-        value = np.multiply(keys[last], LARGER)
-        keys[last] = value.tolist()
+def _times(value: Any, factor: float) -> Any:
+    """All numbers in a value times a factor; words stay."""
+    if isinstance(value, list):
+        return [_times(inner, factor) for inner in value]
+    if isinstance(value, dict):
+        return {name: _times(inner, factor) for name, inner in value.items()}
+    return value * factor if isinstance(value, float) else value
 
 
 def boxes(box: Cuboid, axes: int, around: Poses | None = None) -> list[Boxes]:
