@@ -8,12 +8,13 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from orthospec.errors import PluginFault
+from orthospec.errors import NoEnclosure, PluginFault
 from orthospec.manipulators import Manipulator, Skeleton
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import ConvexForm, Measure
 from orthospec.measures.elastic import Deflection
+from orthospec.measures.forms import greatest_entry
 from orthospec.quantities import Length, Number
 from orthospec.registry import MEASURES, distribution_of, find_measure, names
 from orthospec.testing import Nonconformity, check_manipulator, check_measure
@@ -92,6 +93,11 @@ class Slider(Manipulator):
         line = np.zeros((len(poses), 1, 2, 3))
         line[:, 0, 1, :2] = poses
         return Skeleton(line, np.array([0.01]), ("leg_1",))
+
+
+def refuse_points(boxes: Any) -> None:
+    if (boxes.hi == boxes.lo).all():
+        raise NoEnclosure("a point", "of no width", "a box")
 
 
 class Wrong:
@@ -201,6 +207,13 @@ class Wrong:
 
             return {name: Interval(m, m) for name, m in self.reach(boxes.centres).items()}
 
+    class Choosy(Certain):
+        """The same, but it refuses points."""
+
+        def reach_enclosure(self, boxes: Any) -> Any:
+            refuse_points(boxes)
+            return super().reach_enclosure(boxes)
+
 
 MACHINES = {
     "Undescribed": "field other has no description",
@@ -219,6 +232,7 @@ MACHINES = {
     "Rising": "compliance gives way against a load",
     "Light": "joint_inertia is not symmetric and positive definite",
     "Certain": "leaves its enclosure",
+    "Choosy": "leaves its enclosure",
 }
 REGION = ([-0.5, -0.5], [0.5, 0.5])
 
@@ -312,6 +326,42 @@ class WrongMeasure:
             values = self.values(manipulator, boxes.centres)
             return Interval(values, values)
 
+    class Choosy(Certain):
+        """The same, but it refuses points."""
+
+        def enclosure(self, manipulator: Any, boxes: Any) -> Any:
+            refuse_points(boxes)
+            return super().enclosure(manipulator, boxes)
+
+    class Outside(Height):
+        """Raises out of reach."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            if (np.abs(poses[:, 0]) > 1.001 * manipulator.most).any():
+                raise ValueError("too far")
+            return super().values(manipulator, poses)
+
+    class Spreading(Height):
+        """Has no value anywhere where one pose has none."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            known = manipulator.inverse_kinematics(poses)[1].all()
+            return np.where(known, super().values(manipulator, poses), np.nan)
+
+    class Unformed(Height):
+        """Has no form out of reach."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            if not manipulator.inverse_kinematics(poses)[1].all():
+                raise ValueError("too far")
+            return greatest_entry(np.log(self.values(manipulator, poses))[:, None])
+
+    class Blank(Height):
+        """A form of nothing that is known."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            return greatest_entry(np.full((len(poses), 1), np.nan))
+
     class Lenient(Height):
         """A form that holds where the bound does not."""
 
@@ -340,6 +390,11 @@ MEASURES_WITH_FAULTS = {
     "Metres": r"the value is no 'm' at \(.*\): with a unit of length 0.5 times as large it is .*, not",
     "Fast": r"the value is no 'm/s' at \(.*\): with a unit of time 0.5 times as large it is .*, not",
     "Certain": "the value leaves its enclosure",
+    "Choosy": "the value leaves its enclosure",
+    "Outside": r"values raised ValueError: too far; at \(.*\), out of reach",
+    "Spreading": r"in a block with poses out of reach",
+    "Unformed": r"form of at_most raised ValueError: too far; at \(.*\), out of reach",
+    "Blank": r"inside of the form of at_most is not finite at \(.*\), where the value is",
     "Lenient": "the form of at_most needs a slack of",
     "Absolute": "the form of at_most needs a slack of",
 }

@@ -2,24 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from orthospec.errors import NoEnclosure
+from orthospec.errors import NoEnclosure, OrthospecError
 from orthospec.intervals import as_interval
 from orthospec.manipulators import Manipulator
 from orthospec.measures import Measure
 from orthospec.measures.demand import bounded_side
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
 from orthospec.testing.machines import MachineUnderTest
-from orthospec.testing.sampling import ALIKE, CLOSE, INSIDE, LARGER, SINGLES, boxes, retold, tried_in, within
+from orthospec.testing.sampling import (
+    ALIKE,
+    CLOSE,
+    INSIDE,
+    LARGER,
+    SINGLES,
+    block,
+    boxes,
+    read_only,
+    retold,
+    tried_in,
+    within,
+)
 from orthospec.testing.views import Units, axis_factors, in_units, turned
+from orthospec.workspace.cuboid import Cuboid
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Poses
     from orthospec.measures import ConvexForm
-    from orthospec.workspace.cuboid import Cuboid
 
 
 def check_measure(measure: Measure, machine: Manipulator, region: tuple[Any, Any] | None = None) -> None:
@@ -46,6 +60,7 @@ class _Measure:
         survives(self.measure)
         self.declared()
         self.values()
+        self.outside()
         self.frame()
         self.units()
         self.enclosure()
@@ -124,6 +139,48 @@ class _Measure:
             f"least is {measure.least}",
         )
 
+    def outside(self) -> None:
+        """Values and forms are computed out of reach too, NaN or not, and change none within it."""
+        asked: dict[str, Callable[[Poses], Any]] = {"values": partial(self.measure.values, self.machine)}
+        for side in sorted(self.measure.sides):
+            asked[f"form of {side}"] = partial(self.inside_of_form, side)
+        beyond = self.beyond()
+        for name, ask in asked.items() if len(beyond) else ():
+            self.raises_nowhere(name, ask, beyond)
+            alone, mixed = ask(self.poses), ask(read_only(np.concatenate([self.poses, beyond])))
+            for k in range(len(self.poses) if alone is not None else 0):
+                expect(
+                    np.allclose(mixed[k], alone[k], rtol=CLOSE, atol=CLOSE, equal_nan=True),
+                    self.measure,
+                    f"{name} gives {mixed[k]} {at(self.poses[k])} in a block with poses out of reach,"
+                    f" {alone[k]} without them",
+                    "each pose on its own row",
+                )
+
+    def inside_of_form(self, side: str, poses: Poses) -> Array | None:
+        """What the form of a side linearises."""
+        form = self.measure.form(self.machine, poses, side)
+        return None if form is None else form.inside
+
+    def beyond(self) -> Poses:
+        """Poses out of reach, near and far."""
+        box, axes = self.of_machine.box, self.of_machine.axes
+        wide = block(Cuboid.around(box.centre, 2 * box.size), axes, seed=5)
+        poses = np.concatenate([self.of_machine.poses, wide])
+        return read_only(poses[~self.machine.inverse_kinematics(read_only(poses))[1]])
+
+    def raises_nowhere(self, name: str, ask: Callable[[Poses], Any], poses: Poses) -> None:
+        """Neither at a pose alone nor in a block."""
+        for some in (*(poses[k : k + 1] for k in range(len(poses))), poses):
+            try:
+                ask(some)
+            except OrthospecError:
+                raise
+            except Exception as error:
+                place = at(some[0]) if len(some) == 1 else "for a block of poses"
+                said = f"{name} raised {type(error).__name__}: {error}; {place}, out of reach"
+                expect(False, self.measure, said, "give NaN where there is no value")
+
     def frame(self) -> None:
         """In turned axes the same machine has the same values, unless the measure is given a direction."""
         named = [value for value in self.measure.model_dump().values() if isinstance(value, list | tuple)]
@@ -177,9 +234,9 @@ class _Measure:
             try:
                 enclosed = self.measure.enclosure(self.machine, several)
             except NoEnclosure:
-                return  # Allowed: then nothing is proved of it.
+                continue  # Allowed: then nothing is proved of these.
             if enclosed is None:
-                return
+                continue
             enclosed = as_interval(enclosed)
             for k in range(INSIDE):
                 poses = within(several, k)
@@ -201,9 +258,20 @@ class _Measure:
 
     def form(self, form: ConvexForm, side: str) -> None:
         """The bound holds without slack where the values meet it, and nowhere else."""
-        values = bounded_side(self.measure.values(self.machine, self.poses), side)
-        sound = (
-            np.isfinite(values) & (values > 0) & np.isfinite(form.inside).reshape(len(values), -1).all(axis=1)
+        values, n = bounded_side(self.measure.values(self.machine, self.poses), side), len(self.poses)
+        expect(
+            len(form.inside) == n,
+            self.measure,
+            f"inside of the form of {side} has the shape {np.shape(form.inside)}",
+            f"({n}, ...) is owed",
+        )
+        sound = np.isfinite(values) & (values > 0)
+        wrong = np.asarray(sound & ~np.isfinite(form.inside).reshape(n, -1).all(axis=1))
+        expect(
+            not wrong.any(),
+            self.measure,
+            f"inside of the form of {side} is not finite {where(self.poses, wrong)}, where the value is",
+            "what is linearised has to be known wherever the value is finite and above 0",
         )
         for k in np.flatnonzero(sound)[:: max(int(sound.sum()) // SINGLES, 1)]:
             for factor in (0.8, 0.95, 1.05, 1.25):
@@ -223,9 +291,8 @@ class _Measure:
 
 def seen(measure: Measure, view: Manipulator, poses: Poses) -> Array | None:
     """The values on a machine seen otherwise; None where the measure is for machines of one class alone."""
-    poses.flags.writeable = False
     try:
-        return measure.values(view, poses)
+        return measure.values(view, read_only(poses))
     except Exception:
         return None
 

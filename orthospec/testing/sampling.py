@@ -51,6 +51,12 @@ def block(box: Cuboid, axes: int, seed: int, count: int = POSES) -> Poses:
     return box.poses(u, axes)
 
 
+def read_only(poses: Poses) -> Poses:
+    """The same poses, which nobody may change."""
+    poses.flags.writeable = False
+    return poses
+
+
 def retold(one: Model, units: Units) -> Model | None:
     """The same machine or measure with its fields told in other units; None where that cannot be built."""
     keys = one.model_dump(mode="json", by_alias=True, exclude_none=True)
