@@ -175,6 +175,20 @@ class Wrong:
             drawn = super().skeleton(poses)
             return Skeleton(drawn.segments, drawn.radii, ("a", "b"))
 
+    class Hollow(Slider):
+        """A line of less than no width."""
+
+        def skeleton(self, poses: Any) -> Skeleton:
+            drawn = super().skeleton(poses)
+            return Skeleton(drawn.segments, -drawn.radii, drawn.names)
+
+    class Blurred(Slider):
+        """A line of a width that is not known."""
+
+        def skeleton(self, poses: Any) -> Skeleton:
+            drawn = super().skeleton(poses)
+            return Skeleton(drawn.segments, np.nan * drawn.radii, drawn.names)
+
     class Missing(Slider):
         """Asks for a field that it does not have."""
 
@@ -192,6 +206,24 @@ class Wrong:
 
         def compliance(self, poses: Any) -> Any:
             return np.tile(-np.eye(6), (len(poses), 1, 1))
+
+    class Torn(Slider):
+        """A compliance that is not known."""
+
+        def compliance(self, poses: Any) -> Any:
+            return np.where(poses[:, :1, None] > 0.2, np.nan, np.eye(6))
+
+    class Loose(Slider):
+        """A compliance that is inf in part."""
+
+        def compliance(self, poses: Any) -> Any:
+            return np.tile(np.diag([np.inf, 1, 1, 1, 1, 1]), (len(poses), 1, 1))
+
+    class Vague(Slider):
+        """Masses that are not known."""
+
+        def joint_inertia(self, poses: Any) -> Any:
+            return np.where(poses[:, :1, None] > 0.2, np.nan, np.eye(2))
 
     class Light(Slider):
         """A mass below nothing."""
@@ -227,9 +259,14 @@ MACHINES = {
     "Metres": "twice as large, it reaches otherwise",
     "Unit": "indices gives extra, of which index_units knows no unit",
     "Drawn": "1 names|2 names",
+    "Hollow": r"skeleton's 'leg_1' has the radius -0\.01",
+    "Blurred": r"skeleton's 'leg_1' has the radius nan",
     "Missing": r"missing\('compliance'\) names 'mass', which is no field",
     "Soft": "compliance is not symmetric",
     "Rising": "compliance gives way against a load",
+    "Torn": r"compliance is neither finite nor inf at \(.*\), well within the reach",
+    "Loose": r"compliance is neither finite nor inf at \(.*\), well within the reach",
+    "Vague": r"joint_inertia is not finite at \(.*\), well within the reach",
     "Light": "joint_inertia is not symmetric and positive definite",
     "Certain": "leaves its enclosure",
     "Choosy": "leaves its enclosure",

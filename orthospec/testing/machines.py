@@ -261,12 +261,13 @@ class MachineUnderTest:
         )
 
     def drawing(self) -> None:
-        """The skeleton has its shapes, and is finite."""
+        """The skeleton has its shapes, and can be drawn."""
         poses = self.inside()[:5]
+        n = len(poses)
         drawn = self.machine.skeleton(poses)
         s = len(drawn.names)
         expect(
-            np.shape(drawn.segments) == (5, s, 2, 3) and np.shape(drawn.radii) == (s,),
+            np.shape(drawn.segments) == (n, s, 2, 3) and np.shape(drawn.radii) == (s,),
             self.machine,
             f"skeleton has segments {np.shape(drawn.segments)}, radii {np.shape(drawn.radii)} and {s} names",
             "segments (n, s, 2, 3), radii (s,), names (s,)",
@@ -277,6 +278,13 @@ class MachineUnderTest:
             "skeleton is not finite within the reach",
             "draw all",
         )
+        for name, radius in zip(drawn.names, drawn.radii, strict=True):
+            expect(
+                radius >= 0 and np.isfinite(radius),
+                self.machine,
+                f"skeleton's '{name}' has the radius {radius}",
+                "give a length in m",
+            )
 
     def missing(self) -> None:
         """What it names are fields."""
@@ -298,7 +306,7 @@ class MachineUnderTest:
                 )
 
     def compliance(self) -> None:
-        """Symmetric, and no load makes it rise."""
+        """Symmetric, and no load makes it rise; inf as a whole where the machine is loose."""
         poses = self.inside()
         given = self.machine.compliance(poses)
         expect(
@@ -308,6 +316,13 @@ class MachineUnderTest:
             "(n, 6, 6)",
         )
         known = np.asarray(np.isfinite(given).all(axis=(1, 2)))
+        wrong = np.asarray(~known & ~np.isposinf(given).all(axis=(1, 2)))
+        expect(
+            not wrong.any(),
+            self.machine,
+            f"compliance is neither finite nor inf {where(poses, wrong)}, well within the reach",
+            "all entries are inf where the machine is loose, and NaN is for poses out of reach",
+        )
         size = np.abs(np.where(known[:, None, None], given, 0.0)).max(axis=(1, 2), keepdims=True)
         skew = known & (np.abs(given - np.swapaxes(given, 1, 2)) > CLOSE * size).any(axis=(1, 2))
         expect(
@@ -323,9 +338,16 @@ class MachineUnderTest:
         )
 
     def inertia(self) -> None:
-        """Symmetric and positive definite."""
+        """Finite, symmetric and positive definite."""
         poses = self.inside()
         given = self.machine.joint_inertia(poses)
+        unknown = np.asarray(~np.isfinite(given).all(axis=(1, 2)))
+        expect(
+            not unknown.any(),
+            self.machine,
+            f"joint_inertia is not finite {where(poses, unknown)}, well within the reach",
+            "let reach have a margin for the singularity there",
+        )
         least = np.linalg.eigvalsh((given + np.swapaxes(given, 1, 2)) / 2)[:, 0]
         size = np.abs(given).max(axis=(1, 2))
         wrong = (np.abs(given - np.swapaxes(given, 1, 2)).max(axis=(1, 2)) > CLOSE * size) | ~(least > 0)
