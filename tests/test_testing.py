@@ -15,7 +15,7 @@ from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import ConvexForm, Measure
 from orthospec.measures.elastic import Deflection
 from orthospec.measures.forms import greatest_entry
-from orthospec.quantities import Length, Number
+from orthospec.quantities import Acceleration, Length, Mass, Number
 from orthospec.registry import MEASURES, distribution_of, find_measure, names
 from orthospec.testing import Nonconformity, check_manipulator, check_measure
 
@@ -93,6 +93,29 @@ class Slider(Manipulator):
         line = np.zeros((len(poses), 1, 2, 3))
         line[:, 0, 1, :2] = poses
         return Skeleton(line, np.array([0.01]), ("leg_1",))
+
+
+class Heavy(Slider):
+    """Both joints move a mass, and the first one lifts it."""
+
+    mass: Mass = 2.0
+    """Each of the masses [kg]."""
+    gravity: Acceleration = 9.81
+    """Against the first joint [m/s^2]."""
+
+    def joint_inertia(self, poses: Any) -> Any:
+        """Of the masses."""
+        return np.tile(self.mass * np.eye(2), (len(poses), 1, 1))
+
+    def rest_load(self, poses: Any) -> Any:
+        """The first mass's weight."""
+        return np.tile([self.mass * self.gravity, 0.0], (len(poses), 1))
+
+    def velocity_forces(self, poses: Any) -> Any:
+        """ρ̈1 = L² / ρ1³ ẋ² at a constant velocity."""
+        found = np.zeros((len(poses), 2, 2, 2))
+        found[:, 0, 0, 0] = self.mass * self.leg**2 / np.sqrt(self.leg**2 + poses[:, 0] ** 2) ** 3
+        return found
 
 
 def refuse_points(boxes: Any) -> None:
@@ -231,6 +254,30 @@ class Wrong:
         def joint_inertia(self, poses: Any) -> Any:
             return np.tile(np.diag([1.0, -1.0]), (len(poses), 1, 1))
 
+    class Tireless(Heavy):
+        """A load that gives work around a loop."""
+
+        def rest_load(self, poses: Any) -> Any:
+            return super().rest_load(poses) * (1 + poses[:, 1:])
+
+    class Weary(Heavy):
+        """A load that is not known."""
+
+        def rest_load(self, poses: Any) -> Any:
+            return np.where(poses[:, :1] > 0.2, np.nan, super().rest_load(poses))
+
+    class Braking(Heavy):
+        """Forces of the wrong sign."""
+
+        def velocity_forces(self, poses: Any) -> Any:
+            return -super().velocity_forces(poses)
+
+    class Lopsided(Heavy):
+        """Forces that are right for every velocity, in matrices that are not symmetric."""
+
+        def velocity_forces(self, poses: Any) -> Any:
+            return super().velocity_forces(poses) + np.array([[0.0, 1.0], [-1.0, 0.0]])
+
     class Certain(Slider):
         """An enclosure of its margins that is too narrow."""
 
@@ -268,6 +315,10 @@ MACHINES = {
     "Loose": r"compliance is neither finite nor inf at \(.*\), well within the reach",
     "Vague": r"joint_inertia is not finite at \(.*\), well within the reach",
     "Light": "joint_inertia is not symmetric and positive definite",
+    "Tireless": r"rest_load has no energy at \(.*\): its force at the tool along x changes with y by",
+    "Weary": r"rest_load is not finite at \(.*\), well within the reach",
+    "Braking": r"velocity_forces of joint 1 for x and x at \(.*\) is -.*, by differences of the inertia",
+    "Lopsided": r"velocity_forces of joint 1 for x and y at \(.*\) is 1, by differences of the inertia",
     "Certain": "leaves its enclosure",
     "Choosy": "leaves its enclosure",
 }
@@ -276,6 +327,7 @@ REGION = ([-0.5, -0.5], [0.5, 0.5])
 
 def test_the_machine_that_the_faults_are_planted_in_conforms() -> None:
     check_manipulator(Slider(), REGION)
+    check_manipulator(Heavy(), REGION)
 
 
 @pytest.mark.parametrize("fault", MACHINES)

@@ -59,16 +59,16 @@ def at_tool(inverse_jacobian: Matrices, joint_inertia: Matrices) -> Matrices:
     return (found + np.swapaxes(found, 1, 2)) / 2
 
 
-def velocity_forces(machine: _Inert, poses: Poses) -> Array:
+def velocity_forces(machine: _Inert, poses: Poses, step: float = STEP) -> Array:
     """Q (n, m, d, d), symmetric: the actuators exert ṗᵀ Q_i ṗ at a constant tool velocity ṗ.
 
-    From central differences of G over the pose.
+    From central differences of G over the pose, of half-width ``step`` [m, rad].
     """
     n, d = poses.shape
-    steps = STEP * np.concatenate([np.eye(d), -np.eye(d)])
+    steps = step * np.concatenate([np.eye(d), -np.eye(d)])
     around = (poses[:, None, :] + steps).reshape(-1, d)
     G = at_tool(machine.inverse_jacobian(around), machine.joint_inertia(around)).reshape(n, 2, d, d, d)
-    slope = (G[:, 0] - G[:, 1]) / (2 * STEP)
+    slope = (G[:, 0] - G[:, 1]) / (2 * step)
     # slope[n, l, j, k] = ∂G_jk/∂p_l, and Γ_k is made symmetric in j and l.
     along = np.transpose(slope, (0, 3, 2, 1))
     gamma = (along + np.swapaxes(along, 2, 3) - slope) / 2

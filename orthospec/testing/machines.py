@@ -9,6 +9,7 @@ import numpy as np
 
 from orthospec.errors import NoEnclosure
 from orthospec.manipulators import Manipulator
+from orthospec.mechanics import inertia
 from orthospec.show.keys import keys_of
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
 from orthospec.testing.sampling import (
@@ -64,6 +65,10 @@ class MachineUnderTest:
             self.compliance()
         if not self.machine.missing("joint_inertia") and offers(self.machine, "joint_inertia"):
             self.inertia()
+            if offers(self.machine, "rest_load"):
+                self.rest_load()
+            if offers(self.machine, "velocity_forces"):
+                self.velocity_forces()
 
     def kinematics(self) -> None:
         """Joints and flags have their shapes, and joints are finite where they are reachable."""
@@ -358,6 +363,56 @@ class MachineUnderTest:
             "masses are positive",
         )
 
+    def rest_load(self) -> None:
+        """The force at the tool F = J⁻ᵀ τ is the slope of an energy: its own slopes are symmetric."""
+        poses, size = self.inside(), float(np.max(self.box.size))
+        h, at_tool = inertia.STEP * size, self.load_at_tool(poses)
+        unknown = np.asarray(~np.isfinite(at_tool).all(axis=1))
+        expect(
+            not unknown.any(),
+            self.machine,
+            f"rest_load is not finite {where(poses, unknown)}, well within the reach",
+            "let reach have a margin for the singularity there",
+        )
+        ahead, behind = (
+            np.stack([self.load_at_tool(poses + sign * step) for step in h * np.eye(self.axes)], axis=2)
+            for sign in (1, -1)
+        )
+        slopes = (ahead - behind) / (2 * h)
+        near = DIFFERENCE * (np.abs(slopes).max(axis=(1, 2)) + np.abs(at_tool).max(axis=1) / size)
+        skew = np.abs(slopes - np.swapaxes(slopes, 1, 2)) > near[:, None, None]
+        if skew.any():
+            n, k, j = np.argwhere(skew)[0]
+            along, other = self.machine.axes[k], self.machine.axes[j]
+            said = (
+                f"rest_load has no energy {at(poses[n])}: its force at the tool along {along} changes with"
+                f" {other} by {slopes[n, k, j]:.6g}, that along {other} with {along} by {slopes[n, j, k]:.6g}"
+            )
+            expect(False, self.machine, said, "weights do no work around a loop: check signs, and τ = Jᵀ F")
+
+    def load_at_tool(self, poses: Poses) -> Array:
+        """J⁻ᵀ τ (n, d)."""
+        inverse, load = self.machine.inverse_jacobian(poses), self.machine.rest_load(poses)
+        return np.asarray((load[:, None, :] @ inverse)[:, 0])
+
+    def velocity_forces(self) -> None:
+        """They follow from how the inertia changes with the pose."""
+        poses, machine = self.inside(), self.machine
+        given = machine.velocity_forces(poses)
+        h = inertia.STEP * float(np.max(self.box.size))
+        coarse, by_differences = (inertia.velocity_forces(machine, poses, step) for step in (h, h / 2))
+        # Differences are as good as two half-widths agree.
+        near = DIFFERENCE * np.abs(by_differences) + 10 * np.abs(coarse - by_differences)
+        wrong = ~(np.abs(given - by_differences) <= near.max(axis=(1, 2, 3), keepdims=True))
+        if wrong.any():
+            n, i, j, k = np.argwhere(wrong)[0]
+            said = (
+                f"velocity_forces of joint {i + 1} for {machine.axes[j]} and {machine.axes[k]}"
+                f" {at(poses[n])} is {given[n, i, j, k]:.6g}, by differences of the inertia"
+                f" {by_differences[n, i, j, k]:.6g}"
+            )
+            expect(False, machine, said, "Q_i is symmetric, and the force of joint i is ṗᵀ Q_i ṗ")
+
 
 def fields_of(machine: Manipulator) -> Mapping[str, Callable[[Poses], Array]]:
     """What a machine computes over poses, by name, the poses first in each."""
@@ -368,6 +423,9 @@ def fields_of(machine: Manipulator) -> Mapping[str, Callable[[Poses], Array]]:
     }
     for name in ("compliance", "joint_inertia"):
         if not machine.missing(name) and offers(machine, name):
+            found[name] = getattr(machine, name)
+    for name in ("rest_load", "velocity_forces"):
+        if "joint_inertia" in found and offers(machine, name):
             found[name] = getattr(machine, name)
     return found
 
