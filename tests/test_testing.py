@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import pytest
@@ -68,6 +68,7 @@ class Slider(Manipulator):
     axes: ClassVar[tuple[str, ...]] = ("x", "y")
     joint_units: ClassVar[tuple[str, ...]] = ("m", "m")
     index_units: ClassVar[Mapping[str, str]] = {"stroke": "m"}
+    toleranced: ClassVar[Mapping[str, str]] = {"leg": "m", "most": "m"}
 
     def inverse_kinematics(self, poses: Any) -> Any:
         """ρ1 = sqrt(L² + x²), ρ2 = y + x."""
@@ -171,6 +172,12 @@ class Wrong:
         def reach(self, poses: Any) -> Any:
             return {name: m - 1e-3 * np.mean(poses) for name, m in super().reach(poses).items()}
 
+    class Yielding(Slider):
+        """A pose's compliance, which is small, depends on the others."""
+
+        def compliance(self, poses: Any) -> Any:
+            return np.tile(1e-9 * (1 + np.ptp(poses)) * np.eye(6), (len(poses), 1, 1))
+
     class Careless(Slider):
         """Writes into what it is given."""
 
@@ -254,6 +261,48 @@ class Wrong:
         def joint_inertia(self, poses: Any) -> Any:
             return np.tile(np.diag([1.0, -1.0]), (len(poses), 1, 1))
 
+    class Unnamed(Slider):
+        """Something that may be off is no field."""
+
+        toleranced: ClassVar[Mapping[str, str]] = {"mass": "kg"}
+
+    class Grams(Slider):
+        """A length that may be off by a mass."""
+
+        toleranced: ClassVar[Mapping[str, str]] = {"leg": "kg"}
+
+    class Chosen(Slider):
+        """What may be off is a word."""
+
+        leg_kind: Literal["steel"] = "steel"
+        """What the leg is made of."""
+        toleranced: ClassVar[Mapping[str, str]] = {"leg_kind": "m"}
+
+    class Same(Slider):
+        """Is itself whatever it is off by."""
+
+        def varied(self, fields: Any) -> Any:  # noqa: ARG002
+            return self
+
+    class Averaging(Slider):
+        """Takes one number for all poses."""
+
+        def inverse_kinematics(self, poses: Any) -> Any:
+            joints, reachable = super().inverse_kinematics(poses)
+            return np.stack([np.hypot(np.mean(self.leg), poses[:, 0]), joints[:, 1]], axis=1), reachable
+
+    class Single(Slider):
+        """Cannot have an array in a field."""
+
+        def reach(self, poses: Any) -> Any:
+            return Slider(leg=float(self.leg), most=float(self.most)).reach(poses)
+
+    class Exact(Slider):
+        """Encloses the reach of one machine for that of all within an interval."""
+
+        def reach_enclosure(self, boxes: Any) -> Any:
+            return Slider().reach_enclosure(boxes)
+
     class Tireless(Heavy):
         """A load that gives work around a loop."""
 
@@ -302,6 +351,7 @@ MACHINES = {
     "Gaps": r"joints are not finite at \(.*\), which is called reachable",
     "Derivative": r"inverse_jacobian for joint 1 and x at \(.*\) is .*, by differences",
     "Company": "alone and",
+    "Yielding": r"compliance gives [^g]* alone and",
     "Careless": "inverse_jacobian changes the poses",
     "Metres": "twice as large, it reaches otherwise",
     "Unit": "indices gives extra, of which index_units knows no unit",
@@ -315,6 +365,13 @@ MACHINES = {
     "Loose": r"compliance is neither finite nor inf at \(.*\), well within the reach",
     "Vague": r"joint_inertia is not finite at \(.*\), well within the reach",
     "Light": "joint_inertia is not symmetric and positive definite",
+    "Unnamed": "toleranced names 'mass', which is no field",
+    "Grams": "toleranced has 'leg' in kg, the field itself is in m",
+    "Chosen": "toleranced names 'leg_kind', which is 'steel'",
+    "Same": r"gives .* with arrays in 'leg' and 'most', and .* with the numbers of this pose",
+    "Averaging": r"inverse_kinematics gives .* with arrays in 'leg' and 'most', and",
+    "Single": r"fails with arrays \(n,\) in 'leg' and 'most': .* TypeError",
+    "Exact": r"reach 'side' leaves its enclosure at \(.*\) with leg .*, where intervals stand in 'leg'",
     "Tireless": r"rest_load has no energy at \(.*\): its force at the tool along x changes with y by",
     "Weary": r"rest_load is not finite at \(.*\), well within the reach",
     "Braking": r"velocity_forces of joint 1 for x and x at \(.*\) is -.*, by differences of the inertia",

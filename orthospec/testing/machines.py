@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from orthospec.manipulators import Manipulator
 from orthospec.mechanics import inertia
 from orthospec.show.keys import keys_of
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
+from orthospec.testing.fields import fields_of, offers, same
 from orthospec.testing.sampling import (
     CLOSE,
     DIFFERENCE,
@@ -26,6 +26,7 @@ from orthospec.testing.sampling import (
     tried_in,
     within,
 )
+from orthospec.testing.tolerances import check_toleranced
 from orthospec.testing.views import Units
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class MachineUnderTest:
         self.indices()
         self.drawing()
         self.missing()
+        check_toleranced(self.machine, self.box, self.inside())
         if not self.machine.missing("compliance") and offers(self.machine, "compliance"):
             self.compliance()
         if not self.machine.missing("joint_inertia") and offers(self.machine, "joint_inertia"):
@@ -130,8 +132,8 @@ class MachineUnderTest:
         """A block gives what its poses give one by one, twice the same, and is left as it was."""
         before = self.poses.copy()
         for name, field in fields_of(self.machine).items():
-            together, given = field(self.poses), before.copy()
-            again = field(given)
+            together, given = field(self.machine, self.poses), before.copy()
+            again = field(self.machine, given)
             expect(
                 np.array_equal(given, before),
                 self.machine,
@@ -145,9 +147,9 @@ class MachineUnderTest:
                 "nothing random, and no state",
             )
             for k in range(0, POSES, POSES // SINGLES):
-                alone = field(self.poses[k : k + 1].copy())[0]
+                alone = field(self.machine, self.poses[k : k + 1].copy())[0]
                 expect(
-                    np.allclose(alone, together[k], rtol=CLOSE, atol=CLOSE, equal_nan=True),
+                    same(alone, together, k),
                     self.machine,
                     f"{name} gives {alone} alone and {together[k]} in a block {at(self.poses[k])}",
                     "each pose on its own row",
@@ -412,24 +414,3 @@ class MachineUnderTest:
                 f" {by_differences[n, i, j, k]:.6g}"
             )
             expect(False, machine, said, "Q_i is symmetric, and the force of joint i is ṗᵀ Q_i ṗ")
-
-
-def fields_of(machine: Manipulator) -> Mapping[str, Callable[[Poses], Array]]:
-    """What a machine computes over poses, by name, the poses first in each."""
-    found: dict[str, Callable[[Poses], Array]] = {
-        "inverse_kinematics": lambda poses: machine.inverse_kinematics(poses)[0],
-        "inverse_jacobian": machine.inverse_jacobian,
-        "reach": lambda poses: np.stack(list(machine.reach(poses).values()), axis=1),
-    }
-    for name in ("compliance", "joint_inertia"):
-        if not machine.missing(name) and offers(machine, name):
-            found[name] = getattr(machine, name)
-    for name in ("rest_load", "velocity_forces"):
-        if "joint_inertia" in found and offers(machine, name):
-            found[name] = getattr(machine, name)
-    return found
-
-
-def offers(machine: Manipulator, name: str) -> bool:
-    """Whether its class has this optional method."""
-    return getattr(type(machine), name) is not getattr(Manipulator, name)

@@ -14,6 +14,7 @@ from orthospec.manipulators import Manipulator
 from orthospec.measures import Measure
 from orthospec.measures.demand import bounded_side
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
+from orthospec.testing.fields import same
 from orthospec.testing.machines import MachineUnderTest
 from orthospec.testing.sampling import (
     ALIKE,
@@ -118,7 +119,7 @@ class _Measure:
         for k in range(0, n, max(n // SINGLES, 1)):
             alone = measure.values(self.machine, poses[k : k + 1].copy())[0]
             expect(
-                np.allclose(alone, together[k], rtol=CLOSE, equal_nan=True),
+                same(alone, together, k),
                 measure,
                 f"values gives {alone} alone and {together[k]} in a block {at(poses[k])}",
                 "each pose on its own row",
@@ -150,7 +151,7 @@ class _Measure:
             alone, mixed = ask(self.poses), ask(read_only(np.concatenate([self.poses, beyond])))
             for k in range(len(self.poses) if alone is not None else 0):
                 expect(
-                    np.allclose(mixed[k], alone[k], rtol=CLOSE, atol=CLOSE, equal_nan=True),
+                    same(mixed[k], alone, k),
                     self.measure,
                     f"{name} gives {mixed[k]} {at(self.poses[k])} in a block with poses out of reach,"
                     f" {alone[k]} without them",

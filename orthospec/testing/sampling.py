@@ -23,6 +23,8 @@ Model = TypeVar("Model", bound=BaseModel)
 
 POSES, SINGLES, BOXES, INSIDE = 500, 12, 40, 25
 """Tried in a block, one by one, as boxes, and in each box."""
+PARTS = (0.0, 1e-3, 3e-2)
+"""Edges of boxes, relative to all that is tried; points among them."""
 CLOSE, DIFFERENCE = 1e-9, 1e-5
 """How near two ways to one number have to come, relative: by the same code, and by differences."""
 ALIKE = 1e-7
@@ -93,7 +95,7 @@ def boxes(box: Cuboid, axes: int, around: Poses | None = None) -> list[Boxes]:
     """Boxes of three sizes, points among them."""
     centres = block(box, axes, seed=3, count=BOXES) if around is None else around[:BOXES]
     found = []
-    for part in (0.0, 1e-3, 3e-2):
+    for part in PARTS:
         half = np.zeros((1, axes))
         half[0, : len(box.low)] = part * box.size / 2
         found.append(Boxes(centres - half, centres + half))
