@@ -550,6 +550,18 @@ def test_the_measure_that_the_faults_are_planted_in_conforms() -> None:
     check_measure(Height(), Slider(), REGION)
 
 
+class Longer(Height):
+    """A measure for machines with one leg alone."""
+
+    def values(self, manipulator: Any, poses: Any) -> Any:
+        """The leg comes to it."""
+        return super().values(manipulator, poses) + manipulator.leg
+
+
+def test_a_measure_for_machines_of_one_class_conforms() -> None:
+    check_measure(Longer(), Slider(), REGION)
+
+
 @pytest.mark.parametrize("fault", MEASURES_WITH_FAULTS)
 def test_a_fault_of_a_measure_is_caught(fault: str) -> None:
     with pytest.raises(Nonconformity, match=MEASURES_WITH_FAULTS[fault]):

@@ -40,7 +40,11 @@ def offers(machine: Manipulator, name: str) -> bool:
     return getattr(type(machine), name) is not getattr(Manipulator, name)
 
 
-def same(alone: Array, together: Array, k: int) -> bool:
-    """Whether row k of a block is what its pose gives alone, to rounding of the block's greatest number."""
+def apart(alone: Array, together: Array, k: int) -> tuple[float, float] | None:
+    """What a pose gives alone and in row k of a block, at an entry where the two are not the same.
+
+    They are the same to rounding of the block's greatest number.
+    """
     size = float(np.abs(together[np.isfinite(together)]).max(initial=0.0))
-    return np.allclose(alone, together[k], rtol=CLOSE, atol=CLOSE * size, equal_nan=True)
+    wrong = ~np.isclose(alone, together[k], rtol=CLOSE, atol=CLOSE * size, equal_nan=True)
+    return (float(alone[wrong][0]), float(together[k][wrong][0])) if wrong.any() else None

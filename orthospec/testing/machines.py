@@ -11,7 +11,7 @@ from orthospec.manipulators import Manipulator
 from orthospec.mechanics import inertia
 from orthospec.show.keys import keys_of
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
-from orthospec.testing.fields import fields_of, offers, same
+from orthospec.testing.fields import apart, fields_of, offers
 from orthospec.testing.sampling import (
     CLOSE,
     DIFFERENCE,
@@ -148,12 +148,9 @@ class MachineUnderTest:
             )
             for k in range(0, POSES, POSES // SINGLES):
                 alone = field(self.machine, self.poses[k : k + 1].copy())[0]
-                expect(
-                    same(alone, together, k),
-                    self.machine,
-                    f"{name} gives {alone} alone and {together[k]} in a block {at(self.poses[k])}",
-                    "each pose on its own row",
-                )
+                if found := apart(alone, together, k):
+                    said = f"{name} gives {found[0]} alone and {found[1]} in a block {at(self.poses[k])}"
+                    expect(False, self.machine, said, "each pose on its own row")
 
     def inside(self) -> Poses:
         """Poses well within the reach."""

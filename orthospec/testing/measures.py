@@ -14,7 +14,7 @@ from orthospec.manipulators import Manipulator
 from orthospec.measures import Measure
 from orthospec.measures.demand import bounded_side
 from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
-from orthospec.testing.fields import same
+from orthospec.testing.fields import apart
 from orthospec.testing.machines import MachineUnderTest
 from orthospec.testing.sampling import (
     ALIKE,
@@ -118,12 +118,9 @@ class _Measure:
         )
         for k in range(0, n, max(n // SINGLES, 1)):
             alone = measure.values(self.machine, poses[k : k + 1].copy())[0]
-            expect(
-                same(alone, together, k),
-                measure,
-                f"values gives {alone} alone and {together[k]} in a block {at(poses[k])}",
-                "each pose on its own row",
-            )
+            if found := apart(alone, together, k):
+                said = f"values gives {found[0]} alone and {found[1]} in a block {at(poses[k])}"
+                expect(False, measure, said, "each pose on its own row")
         if together.ndim == 2:
             wrong = together[:, 0] > together[:, 1]
             expect(
@@ -150,13 +147,12 @@ class _Measure:
             self.raises_nowhere(name, ask, beyond)
             alone, mixed = ask(self.poses), ask(read_only(np.concatenate([self.poses, beyond])))
             for k in range(len(self.poses) if alone is not None else 0):
-                expect(
-                    same(mixed[k], alone, k),
-                    self.measure,
-                    f"{name} gives {mixed[k]} {at(self.poses[k])} in a block with poses out of reach,"
-                    f" {alone[k]} without them",
-                    "each pose on its own row",
-                )
+                if found := apart(mixed[k], alone, k):
+                    said = (
+                        f"{name} gives {found[0]} {at(self.poses[k])} in a block with poses out of reach,"
+                        f" {found[1]} without them"
+                    )
+                    expect(False, self.measure, said, "each pose on its own row")
 
     def inside_of_form(self, side: str, poses: Poses) -> Array | None:
         """What the form of a side linearises."""
@@ -226,7 +222,7 @@ class _Measure:
                     self.measure,
                     f"the value is no '{self.measure.unit}' {where(self.poses, wrong)}: with a unit of {kind}"
                     f" {1 / getattr(units, kind):g} times as large it is {there[k]}, not {owed[k]}",
-                    "what has a unit has to be a field with that unit, no number in the code; check 'unit'",
+                    "check 'unit'; what has a unit has to be a field of orthospec.quantities with that unit",
                 )
 
     def enclosure(self) -> None:

@@ -12,7 +12,7 @@ from orthospec.manipulators import Manipulator
 from orthospec.quantities.units import parse_unit
 from orthospec.show.keys import keys_of
 from orthospec.testing.expectations import at, expect, is_unit, where
-from orthospec.testing.fields import fields_of, same
+from orthospec.testing.fields import apart, fields_of
 from orthospec.testing.sampling import INSIDE, PARTS, SINGLES, within
 from orthospec.workspace.tolerances import Family
 
@@ -91,14 +91,14 @@ class _Toleranced:
                 one = _with_numbers(self.machine, own)
                 if one is None:
                     continue
-                alone = field(one, self.points[k : k + 1, : len(self.machine.axes)].copy())[0]
-                expect(
-                    same(alone, together, k),
-                    self.machine,
-                    f"{name} gives {together[k]} with arrays in {self.named}, and {alone} with the numbers of"
-                    f" this pose, {_told(own)}, {at(point[: len(self.machine.axes)])}",
-                    "each pose with its own number of the array, and nothing kept of the machine before",
-                )
+                pose = self.points[k : k + 1, : len(self.machine.axes)].copy()
+                if found := apart(field(one, pose)[0], together, k):
+                    said = (
+                        f"{name} gives {found[1]} with arrays in {self.named}, and {found[0]} with the"
+                        f" numbers of this pose alone, {_told(own)}, {at(pose[0])}"
+                    )
+                    way_out = "each pose has its own number of the array; keep nothing of the machine before"
+                    expect(False, self.machine, said, way_out)
 
     def intervals(self) -> None:
         """With intervals in its fields the margins of all machines within them lie within its enclosure."""
