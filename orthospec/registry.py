@@ -114,9 +114,11 @@ def _scan(path: tuple[str, ...]) -> Iterator[Installed]:
         entries = [entry for entry in distribution.entry_points if entry.group in (MANIPULATORS, MEASURES)]
         if not entries:
             continue
-        key = distribution.name.lower().replace("-", "_").replace(".", "_")
+        about = distribution.metadata  # read anew at each call
+        owner, version = about["Name"], about["Version"]
+        key = owner.lower().replace("-", "_").replace(".", "_")
         if key in seen:
             continue
         seen.add(key)
         for entry in entries:
-            yield Installed(entry.group, entry.name, distribution.name, distribution.version, entry.value)
+            yield Installed(entry.group, entry.name, owner, version, entry.value)
