@@ -166,6 +166,66 @@ def test_a_name_says_what_is_written_and_may_have_more_before_it(study: Study, t
     assert sorted(path.name for path in tmp_path.iterdir()) == ["before-designs.csv", "deep"]
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_a_zarr_store_is_replaced_whole_and_through_a_link(study: Study, tmp_path: Path) -> None:
+    store, link = tmp_path / "fields.zarr", tmp_path / "linked-fields.zarr"
+    store.mkdir()
+    link.symlink_to(store)
+    study.export(store)
+    (store / "stiffness" / "stray").touch()
+    study.export(link)
+    assert link.is_symlink()
+    assert not (store / "stiffness" / "stray").exists()
+    xarray.testing.assert_equal(xarray.open_zarr(store, consolidated=False).load(), study.fields())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["fields.zarr", "linked-fields.zarr"]
+
+
+@pytest.mark.parametrize(
+    ("name", "made", "told"),
+    [
+        ("fields.zarr", "notes.txt", "holds other files and no Zarr store"),
+        ("fields.zarr", None, "there is a file of this name"),
+        ("fields.nc", "zarr.json", "there is a folder of this name"),
+        ("designs.csv", "notes.txt", "there is a folder of this name"),
+    ],
+)
+def test_what_is_of_another_kind_is_never_replaced(
+    study: Study, tmp_path: Path, name: str, made: str | None, told: str
+) -> None:
+    place = tmp_path / name
+    if made is not None:
+        place.mkdir()
+    other = place if made is None else place / made
+    other.write_text("kept")
+    with pytest.raises(UsageError, match=rf"{name}: .*{told}.*; choose another name"):
+        export(study, [tmp_path / "cuboid.stl", place])
+    assert other.read_text() == "kept"
+    assert list(tmp_path.iterdir()) == [place]
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("broken", [OSError("no room"), KeyboardInterrupt()])
+def test_a_zarr_store_is_put_back_where_the_new_one_cannot_take_its_place(
+    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: BaseException
+) -> None:
+    store = tmp_path / "fields.zarr"
+    study.export(store)
+    (store / "old").touch()
+    rename = Path.rename
+
+    def breaking(self: Path, target: Path) -> Path:
+        if self.name == "fields.zarr" and target == store:
+            assert not store.exists()
+            raise broken
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", breaking)
+    with pytest.raises((UsageError, KeyboardInterrupt)):
+        export(study, [store])
+    assert (store / "old").exists()
+    assert list(tmp_path.iterdir()) == [store]
+
+
 def test_a_missing_library_is_told_with_what_to_install(
     study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

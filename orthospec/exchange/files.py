@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -25,11 +24,13 @@ class Kind(NamedTuple):
     """Of this package, with a function ``write(solution, stem, file)``."""
     needs: tuple[str, ...] = ()
     """Modules of the extra ``exchange``."""
+    folder: bool = False
+    """A Zarr store is a folder; all else is one file."""
 
 
 KINDS: Mapping[str, Kind] = {
     "fields.nc": Kind("each measure on the spec's grid, NetCDF", "dataset", ("xarray",)),
-    "fields.zarr": Kind("the same as a Zarr folder", "dataset", ("xarray", "zarr")),
+    "fields.zarr": Kind("the same as a Zarr folder", "dataset", ("xarray", "zarr"), folder=True),
     "fields.vti": Kind("the same as VTK image data, for ParaView", "image", ("pyevtk",)),
     "cuboid.stl": Kind("the prescribed cuboid [mm]", "surfaces", ("trimesh",)),
     "largest.stl": Kind("the largest cuboid [mm]", "surfaces", ("trimesh",)),
@@ -41,15 +42,20 @@ KINDS: Mapping[str, Kind] = {
     "designs.csv": Kind("the design, a Pareto set, a sweep and combinations as a table [SI]", "table"),
 }
 """By name: a file's own may have more before it, as in ``before-fields.nc``."""
+STORE = ("zarr.json", ".zgroup")
+"""By which a folder is a Zarr store: of version 3, of version 2."""
 
 
 def export(solution: Solution, files: Sequence[Path]) -> list[Path]:
     """Write each file by what its name ends with; those written.
 
-    Raises `UsageError` for another name, where a library is missing, where the result has no such thing,
-    and where a file cannot be written; what was written before stays, and nothing is left half-written.
+    Raises `UsageError` for another name, where something else stands in a file's place, where a library is
+    missing, where the result has no such thing, and where a file cannot be written; what was written before
+    stays, and nothing is left half-written.
     """
     chosen = [(_kind(file), file) for file in files]
+    for name, file in chosen:
+        _check_place(file, KINDS[name])
     for name, file in chosen:
         kind = KINDS[name]
         for module in kind.needs:
@@ -76,15 +82,41 @@ def _needed(module: str, file: Path) -> None:
         raise UsageError(f"{file} needs {module}: pip install 'orthospec[exchange]'") from None
 
 
+def _check_place(file: Path, kind: Kind) -> None:
+    """Raise `UsageError` where a file would take the place of something that is not of its kind."""
+    if not kind.folder:
+        if file.is_dir():
+            raise UsageError(f"{file}: there is a folder of this name, not a file; choose another name")
+    elif file.is_dir():
+        if any(file.iterdir()) and not any((file / mark).is_file() for mark in STORE):
+            raise UsageError(f"{file}: this folder holds other files and no Zarr store; choose another name")
+    elif file.exists():
+        raise UsageError(f"{file}: there is a file of this name, not a Zarr store; choose another name")
+
+
 def _whole(file: Path, write: Callable[[Path], None]) -> None:
-    """Written beside and then renamed."""
+    """Written beside and then renamed; a link stays, and what it points to is replaced."""
+    target = file.resolve()
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{file.name}.", dir=file.parent) as scratch:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{file.name}.", dir=target.parent) as scratch:
             fresh = Path(scratch) / file.name
             write(fresh)
-            if file.is_dir() and not file.is_symlink():
-                shutil.rmtree(file)
-            os.replace(fresh, file)
+            if fresh.is_dir():
+                _put_in_place(fresh, target, Path(scratch) / "old")
+            else:
+                os.replace(fresh, target)
     except OSError as error:
         raise UsageError(f"{file}: cannot be written: {(error.strerror or str(error)).lower()}") from error
+
+
+def _put_in_place(fresh: Path, target: Path, old: Path) -> None:
+    """A folder that is there is moved aside first, and put back where the new one cannot take its place."""
+    try:
+        if target.exists():
+            target.rename(old)
+        fresh.rename(target)
+    except BaseException:
+        if old.exists() and not target.exists():
+            old.rename(target)
+        raise
