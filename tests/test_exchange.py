@@ -36,6 +36,28 @@ measures:
 sweep: {variable: leg, from: 0.35, to: 0.45, points: 3}
 """
 
+BARE = """
+orthospec: 1
+manipulator: {use: orthoglide, leg_lengths: [0.4, 0.4, 0.4], gravity: [0, 0, -9.81]}
+workspace: {size: [0.1, 0.1, 0.05], divisions: 2}
+measures: {transmission: {use: velocity_transmission, at_least: 0.4, at_most: 2.5}}
+"""
+
+DELTA = """
+orthospec: 1
+manipulator:
+  use: linear_delta
+  leg_lengths: [0.4, 0.4, 0.4]
+  base_radius: 0.2
+  platform_radius: 0.05
+  legs: {kind: PRPaR, section: {round: {diameter: 25 mm, wall: 2 mm}}, material: carbon, spacing: 80 mm}
+  actuators: {mass: 2 kg}
+  platform: {mass: 2 kg}
+  gravity: [0, 0, -9.81]
+workspace: {size: [0.2, 0.2, 0.1], divisions: 2, region: {min: [-0.3, -0.3, -0.1], max: [0.3, 0.3, 0.1]}}
+measures: {transmission: {use: velocity_transmission, at_least: 0.3, at_most: 3}}
+"""
+
 
 @pytest.fixture(scope="module")
 def study(spec_of: Callable[..., Spec]) -> Study:
@@ -134,6 +156,50 @@ def test_the_machine_in_mujoco_closes_its_loops_and_follows_its_sliders(study: S
         data.ctrl[:] = (1 - part) * start + part * end
         mujoco.mj_step(model, data)
     np.testing.assert_allclose(data.site("tool").xpos, goal, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "settings", "apart"),
+    [
+        pytest.param(SPEC, [], 5e-8, id="orthoglide"),
+        pytest.param(BARE, [], 5e-8, id="no mass is known"),
+        pytest.param(SPEC, ["manipulator.payload={mass: 50 kg}"], 5e-8, id="a heavy payload"),
+        pytest.param(SPEC, ["manipulator.actuators.mass=50 kg"], 5e-8, id="heavy sliders"),
+        pytest.param(DELTA, [], 2e-7, id="linear delta"),
+    ],
+)
+def test_the_machine_in_mujoco_keeps_to_the_inverse_kinematics_along_a_path_under_gravity(
+    spec_of: Callable[..., Spec], tmp_path: Path, text: str, settings: list[str], apart: float
+) -> None:
+    """Wherever its tool is on the way, its sliders stand where the inverse kinematics has them."""
+    study = evaluate(spec_of(text, *settings))
+    study.export(tmp_path / "machine.xml")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "machine.xml"))
+    data, seen = mujoco.MjData(model), mujoco.MjData(model)
+    assert model.opt.gravity[2] == -9.81
+    sliders = [model.joint(f"slide_{i}").qposadr[0] for i in (1, 2, 3)]
+    place = study.result.workspace.prescribed
+    assert place is not None
+    low, high = np.array(place.min), np.array(place.max)
+    seconds = 4.0
+    part = np.linspace(0, 1, round(seconds / model.opt.timestep))
+    turn = 2 * np.pi * part - np.sin(2 * np.pi * part)  # from rest to rest
+    path = (low + high) / 2 + 0.45 * (high - low) * np.sin(np.outer(turn, [1, 2, 3]))
+    rho = study.manipulator.inverse_kinematics(path)[0]
+    tools, found = [], []
+    for step, sent in enumerate(rho):
+        data.ctrl[:] = sent
+        mujoco.mj_step(model, data)
+        if step % 20 == 19:
+            seen.qpos[:] = data.qpos
+            mujoco.mj_kinematics(model, seen)
+            tools.append(seen.site("tool").xpos.copy())
+            found.append(seen.qpos[sliders])
+    wanted, reachable = study.manipulator.inverse_kinematics(np.array(tools))
+    assert reachable.all()
+    assert np.abs(wanted - found).max() < apart
+    assert np.ptp(tools, axis=0) == pytest.approx(0.9 * (high - low), rel=0.05)
+    np.testing.assert_allclose(tools[-1], path[-1], atol=5e-4)
 
 
 def test_designs_are_a_table_whose_numbers_read_back(study: Study, tmp_path: Path) -> None:

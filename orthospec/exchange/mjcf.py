@@ -23,8 +23,16 @@ if TYPE_CHECKING:
 
 LIGHT = 1e-3
 """Of a body whose mass is not known [kg]: MuJoCo moves none without."""
-STIFF = "0.98 0.999 0.0001"
-"""How hard the equations hold (MuJoCo's solimp)."""
+STEP = 5e-4
+"""Of time [s]."""
+SOLREF = (2 * STEP, 0.5)
+"""MuJoCo's time constant and damping ratio of the equations. Their stiffness is 1 / STEP² and their damping
+1 / STEP with these, so that each step puts right what the last one left."""
+SOLIMP = (0.9999, 0.9999, 0.001)
+"""As hard as MuJoCo lets equations hold."""
+DRIVE = 200.0
+"""Natural frequency of a drive that moves the whole machine, critically damped [rad/s]: it is 2 / DRIVE late.
+Stiffer drives than the masses allow would make the simulation unstable."""
 
 
 def write(solution: Solution, name: str, file: Path) -> None:
@@ -47,7 +55,7 @@ def _document(machine: PrismaticManipulator, tool: Array, use: str) -> Xml.Eleme
     root = Xml.Element("mujoco", model=use)
     Xml.SubElement(root, "compiler", angle="radian", autolimits="true")
     option = Xml.SubElement(
-        root, "option", timestep="0.0005", gravity=_text(machine.gravity), solver="Newton"
+        root, "option", timestep=_text([STEP]), gravity=_text(machine.gravity), solver="Newton"
     )
     Xml.SubElement(option, "flag", contact="disable")
     world = Xml.SubElement(root, "worldbody")
@@ -66,16 +74,14 @@ def _document(machine: PrismaticManipulator, tool: Array, use: str) -> Xml.Eleme
     for i in range(3):
         slider = _body(world, f"slider_{i + 1}", bases[i] + rho[i] * axes[i])
         joint = f"slide_{i + 1}"
-        Xml.SubElement(
-            slider, "joint", name=joint, type="slide", axis=_text(axes[i]), ref=_text([rho[i]]), damping="50"
-        )
+        Xml.SubElement(slider, "joint", name=joint, type="slide", axis=_text(axes[i]), ref=_text([rho[i]]))
         _geom(slider, "box", _text([size, size, size]), masses.sliders, rgba="0.47 0.49 0.52 1")
-        Xml.SubElement(drives, "position", name=f"drive_{i + 1}", joint=joint, kp="200000", kv="2000")
+        Xml.SubElement(drives, "position", name=f"drive_{i + 1}", joint=joint)
         way = (tool + joints[i]) - (bases[i] + rho[i] * axes[i])
         for k, beside in enumerate(offsets, start=1):
             start = beside * geometry.revolutes[i]
             bar = _body(slider, f"bar_{i + 1}_{k}", start)
-            Xml.SubElement(bar, "joint", name=f"ball_{i + 1}_{k}", type="ball", damping="0.001")
+            Xml.SubElement(bar, "joint", name=f"ball_{i + 1}_{k}", type="ball")
             mass = float(masses.legs[0, i]) / len(offsets)
             _geom(bar, "capsule", str(size / 3), mass, fromto=_text([0, 0, 0, *way]), rgba="0.34 0.5 0.7 1")
             Xml.SubElement(bar, "site", name=f"end_{i + 1}_{k}", pos=_text(way), size=_text([size / 4]))
@@ -86,9 +92,12 @@ def _document(machine: PrismaticManipulator, tool: Array, use: str) -> Xml.Eleme
                 "connect",
                 site1=f"end_{i + 1}_{k}",
                 site2=f"joint_{i + 1}_{k}",
-                solref="0.001 1",
-                solimp=STIFF,
+                solref=_text(SOLREF),
+                solimp=_text(SOLIMP),
             )
+    mass = sum(float(geom.attrib["mass"]) for geom in world.iter("geom"))
+    for drive in drives:
+        drive.attrib.update(kp=_text([mass * DRIVE**2]), kv=_text([2 * mass * DRIVE]))
     root.extend([equations, drives])
     return root
 
