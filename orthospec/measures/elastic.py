@@ -221,23 +221,25 @@ def _most(compliance: Matrices, part: slice, force: float, moment: float) -> Arr
 
 
 def _wrench_form(compliance: Matrices, part: slice, wrench: Wrench | None) -> ConvexForm:
-    import cvxpy as cp
-
     moved = _moved(compliance, part, wrench)
     force, moment = np.linalg.norm(np.array(wrench, dtype=float).reshape(2, 3), axis=1)
     floor = ROUNDING * _most(compliance, part, force, moment)
-    return forms.convex_size(
-        moved, np.linalg.norm(moved, axis=1), lambda y, limit: [cp.norm(y) <= limit], floor
-    )
+
+    def within(y: Any, limit: Any) -> list[Any]:
+        import cvxpy as cp
+
+        return [cp.norm(y) <= limit]
+
+    return forms.convex_size(moved, np.linalg.norm(moved, axis=1), within, floor)
 
 
 def _coupling_form(compliance: Matrices, force: float) -> ConvexForm:
-    import cvxpy as cp
-
     turned = force * compliance[:, ROTATION, TRANSLATION].reshape(-1, 9)
     floor = ROUNDING * _most(compliance, ROTATION, force, 0.0)
 
     def within(y: Any, limit: Any) -> list[Any]:
+        import cvxpy as cp
+
         return [cp.sigma_max(cp.reshape(y, (3, 3), order="C")) <= limit]
 
     return forms.convex_size(turned, force * _greatest_coupling(compliance), within, floor)

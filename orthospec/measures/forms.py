@@ -49,9 +49,10 @@ def semidefinite_logarithm(matrices: Matrices) -> Matrices:
 
 def greatest_eigenvalue(logarithms: Matrices) -> ConvexForm:
     """λ_max(X) <= ln b."""
-    import cvxpy as cp
 
     def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+        import cvxpy as cp
+
         return [cp.lambda_max(x) <= logarithm(bound) + slack]
 
     return ConvexForm(logarithms, holds)
@@ -59,9 +60,10 @@ def greatest_eigenvalue(logarithms: Matrices) -> ConvexForm:
 
 def least_eigenvalue(logarithms: Matrices) -> ConvexForm:
     """λ_min(X) >= ln b."""
-    import cvxpy as cp
 
     def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+        import cvxpy as cp
+
         return [cp.lambda_min(x) >= logarithm(bound) - slack]
 
     return ConvexForm(logarithms, holds)
@@ -69,9 +71,10 @@ def least_eigenvalue(logarithms: Matrices) -> ConvexForm:
 
 def ratio_of_eigenvalues(logarithms: Matrices) -> ConvexForm:
     """λ_max(X) − λ_min(X) <= ln b."""
-    import cvxpy as cp
 
     def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+        import cvxpy as cp
+
         return [cp.lambda_max(x) - cp.lambda_min(x) <= logarithm(bound) + slack]
 
     return ConvexForm(logarithms, holds)

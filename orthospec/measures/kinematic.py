@@ -125,9 +125,10 @@ class Manipulability(Measure):
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """tr H >= ln w."""
-        import cvxpy as cp
 
         def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+            import cvxpy as cp
+
             return [cp.trace(x) >= logarithm(bound) - slack]
 
         return ConvexForm(_stretch(manipulator, poses), holds)

@@ -68,7 +68,7 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
         machine = machine_of(space.spec.design(dict(zip(space.spec.variables, one.values, strict=True))))
         while True:
             try:
-                evaluation = evaluate(machine, setting, prescribed, progress, states_of)
+                evaluation = evaluate(machine, setting, prescribed, progress, states_of, space.forms)
             except PluginFault as fault:
                 others = {name: d for name, d in machine.demands.items() if d.place != fault.place}
                 if len(others) == len(machine.demands):

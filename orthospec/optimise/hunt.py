@@ -71,8 +71,6 @@ class Hunt:
 
 def hunt(space: DesignSpace, workers: Workers, progress: Progress | None = None) -> Hunt:
     """Search the design space; stopped by Ctrl-C it gives back what it has."""
-    import cvxpy  # noqa: F401  # before Ctrl-C is caught: an import cut in half cannot be mended
-
     state = Hunt()
     stage = state.begun
     try:

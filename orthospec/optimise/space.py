@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orthospec.optimise.cache import Cache, cache_there
+from orthospec.optimise.kept_forms import KeptForms
 from orthospec.spec import Design, Spec
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting
@@ -49,8 +50,9 @@ class DesignSpace:
         self.names = tuple(varying)
         self.low = np.array([v.min for v in varying.values()], dtype=float)
         self.high = np.array([v.max for v in varying.values()], dtype=float)
-        self.forms = forms or Forms()
+        self.forms = forms or Forms(None if cache is None else KeptForms(cache, spec))
         """Compiled once, for all fits."""
+        self._kept: DesignSpace | None = None
         self._remembered = lru_cache(REMEMBERED)(self._build)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -62,8 +64,10 @@ class DesignSpace:
         return pickle.dumps(self.spec)
 
     def kept_in(self, cache: Cache) -> DesignSpace:
-        """The same space, its fields kept."""
-        return DesignSpace(self.spec, cache, self.helpers, self.forms)
+        """The same space, its fields and forms kept."""
+        if self._kept is None or self._kept.cache is not cache:
+            self._kept = DesignSpace(self.spec, cache, self.helpers)
+        return self._kept
 
     def helped_by(self, helpers: Workers) -> DesignSpace:
         """The same space, for a task that shares out its parts."""

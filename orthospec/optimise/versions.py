@@ -17,7 +17,7 @@ from orthospec.spec import Spec
 
 LIBRARIES = ("orthospec", "numpy", "scipy", "clarabel", "cvxpy")
 """What results depend on beside plugins; a release of orthospec may differ in its compiled kernels alone."""
-_CODE = frozenset({".py", ".c", ".h"})
+_CODE = frozenset({".py", ".c", ".h", ".inc"})
 """What is compiled is told by its source where that is at hand: its own bytes depend on the compiler."""
 
 

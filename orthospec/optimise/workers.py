@@ -19,6 +19,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Protocol
 
 from orthospec.errors import UsageError, WorkersLost
+from orthospec.interrupts import ctrl_c_waiting
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Given, Made, Task
 from orthospec.optimise.versions import fingerprint
@@ -187,19 +188,6 @@ class _Checked:
         return self._work(space, item, progress)
 
 
-@contextmanager
-def _ctrl_c_waiting() -> Iterator[None]:
-    """Let Ctrl-C wait a moment; processes begun meanwhile never hear it, not even while they import."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 def _completed(
     executor: Executor,
     work: Callable[[DesignSpace, Given, Progress | None], Made],
@@ -207,7 +195,7 @@ def _completed(
     items: Mapping[int, Given],
 ) -> Iterator[tuple[int, Made]]:
     """Each item's number and result, as they are completed; of several errors that of the first item."""
-    with _ctrl_c_waiting():
+    with ctrl_c_waiting():
         futures = {executor.submit(work, space, item, None): number for number, item in items.items()}
     try:
         for future in as_completed(list(futures)):

@@ -23,6 +23,7 @@ from orthospec.workspace.field import (
     reach_alone,
     together,
 )
+from orthospec.workspace.forms import Forms
 from orthospec.workspace.grid import Grid, make_grid
 from orthospec.workspace.guarantee import Bracket, Proof
 from orthospec.workspace.machine import Machine
@@ -128,11 +129,13 @@ def evaluate(
     prescribed: Mapping[str, Cuboid] | None = None,
     progress: Progress | None = None,
     states_of: FindStates = grid_states,
+    forms: Forms | None = None,
 ) -> Evaluation:
     """Measure one design.
 
     ``prescribed`` gives the places of the prescribed cuboids, by measure, and "" for the joint one; where it
-    is left out each stands centred on its largest cuboid. ``states_of`` finds the states on the grid.
+    is left out each stands centred on its largest cuboid. ``states_of`` finds the states on the grid;
+    ``forms`` have been compiled for other designs.
     """
     demands = list(machine.demands.values())
     bounded = [demand for demand in demands if demand.bounds]
@@ -140,7 +143,7 @@ def evaluate(
     grid = make_grid(machine.manipulator, setting.size, setting.divisions, setting.region)
     asked = [*bounded, *(demand.at(level) for demand, level in levels)]
     states, failures = states_of(machine.manipulator, asked, grid, progress)
-    look = _Search(machine, setting, grid)
+    look = _Search(machine, setting, grid, forms or Forms())
     known = prescribed or {}
     own = {
         d.name: look.largest([d], state, known.get(d.name, known.get("")))
@@ -181,6 +184,7 @@ class _Search:
     machine: Machine
     setting: Setting
     grid: Grid
+    forms: Forms
 
     def largest(
         self, demands: Sequence[Demand], states: NDArray[np.uint8], also: Cuboid | None = None
@@ -198,7 +202,9 @@ class _Search:
         starts = [self.grid.cuboid(placement) for placement in [best, *clusters(met)[1:STARTS]]]
         starts += [also] if also is not None else []
         machine = Machine(self.machine.manipulator, {demand.name: demand for demand in demands})
-        found = polish(machine, list(machine.demands), self.setting.size, starts, self.setting.region)
+        found = polish(
+            machine, list(machine.demands), self.setting.size, starts, self.setting.region, self.forms
+        )
         grid_scale = best.steps / self.setting.divisions
         if found is None:
             return Largest(0.0, grid_scale, best.ties, None, nodes)

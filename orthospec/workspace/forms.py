@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 from orthospec.composite.template import Template, compile_form
 from orthospec.errors import OrthospecError, PluginFault
+from orthospec.interrupts import ctrl_c_waiting
 from orthospec.measures import ConvexForm, Demand
 from orthospec.workspace.machine import Machine
 
@@ -13,11 +16,16 @@ if TYPE_CHECKING:
     from orthospec.arrays import Poses
 
 
-class Forms:
-    """Compiled templates by measure and side."""
+Keep = Callable[[str, str, tuple[int, ...], Callable[[], Template]], Template]
+"""Gives a measure's form of a side for insides of a shape, as it is known, or else as it is then compiled."""
 
-    def __init__(self) -> None:
+
+class Forms:
+    """Compiled templates by measure and side; ``keep`` may know them from before."""
+
+    def __init__(self, keep: Keep | None = None) -> None:
         self._templates: dict[tuple[str, str], Template] = {}
+        self._keep = keep
 
     def template(self, machine: Machine, name: str, side: str, pose: Poses) -> Template | None:
         """The compiled form of a side, or None where the measure has none; ``pose`` (1, d) is any.
@@ -28,14 +36,24 @@ class Forms:
         if side not in demand.measure.sides:
             return None
         if (name, side) not in self._templates:
-            form = form_of(machine, name, side, pose)
+            # An import of cvxpy that Ctrl-C cuts in half could not be mended.
+            with ctrl_c_waiting():
+                form = form_of(machine, name, side, pose)
             if form is None:
                 return None
-            try:
-                self._templates[name, side] = compile_form(form.holds, form.inside.shape[1:])
-            except ValueError as error:
-                raise _fault(demand, str(error)) from error
+            shape = form.inside.shape[1:]
+            compiled = partial(_compiled, demand, form)
+            made = self._keep(name, side, shape, compiled) if self._keep is not None else compiled()
+            self._templates[name, side] = made
         return self._templates[name, side]
+
+
+def _compiled(demand: Demand, form: ConvexForm) -> Template:
+    with ctrl_c_waiting():
+        try:
+            return compile_form(form.holds, form.inside.shape[1:])
+        except ValueError as error:
+            raise _fault(demand, str(error)) from error
 
 
 def form_of(machine: Machine, name: str, side: str, poses: Poses) -> ConvexForm | None:

@@ -66,13 +66,15 @@ def polish(
     size: Array,
     starts: Sequence[Cuboid],
     region: Cuboid | None = None,
+    forms: Forms | None = None,
 ) -> Polished | None:
     """The largest cuboid in which the named demands and the reach hold, from the best of these starts.
 
-    None where no start led to one. Error below 1e-6 of the size where the measures are smooth.
+    None where no start led to one. Error below 1e-6 of the size where the measures are smooth. ``forms`` have
+    been compiled for others of these measures.
     """
     best: Polished | None = None
-    forms = Forms()
+    forms = forms or Forms()
     for start in starts:
         for problem in _problems(machine, names, size, start, region, forms):
             found = minimise(problem, problem.start)

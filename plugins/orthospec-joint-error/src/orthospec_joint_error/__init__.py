@@ -58,8 +58,6 @@ class JointError(Measure):
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """‖Y‖ − 1 + l <= ln b with Y = J / ‖J‖_F and l = ln(e ‖J‖_F); NaN where J is not finite."""
-        import cvxpy as cp
-
         inverse = manipulator.inverse_jacobian(poses)
         sound = np.isfinite(inverse).all(axis=(1, 2)) & (np.abs(np.linalg.det(np.nan_to_num(inverse))) > 0)
         safe = np.where(sound[:, None, None], inverse, np.eye(inverse.shape[1]))
@@ -68,6 +66,8 @@ class JointError(Measure):
         inside = np.column_stack([parts / size[:, None], np.log(self.error * size)])
 
         def holds(x: Any, bound: Any, slack: Any) -> list[Any]:
+            import cvxpy as cp
+
             return [cp.norm(x[:-1]) <= 1 + logarithm(bound) + slack - x[-1]]
 
         return ConvexForm(np.where(sound[:, None], inside, np.nan), holds)
