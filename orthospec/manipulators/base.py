@@ -13,9 +13,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, cast
 
-from pydantic import BaseModel, ConfigDict, PrivateAttr
+from pydantic import ConfigDict, PrivateAttr
 
 from orthospec.arrays import np
+from orthospec.described import Described
 from orthospec.errors import OrthospecError, PluginFault
 from orthospec.mechanics import inertia
 
@@ -44,14 +45,14 @@ class ActuatorLimits(NamedTuple):
     """Coulomb friction, which takes its part of the force [N or N*m]."""
 
 
-class Manipulator(BaseModel, ABC):
+class Manipulator(Described, ABC):
     """One design: a frozen pydantic model of numbers whose fields are the spec's keys.
 
     Methods take poses (n, d) and must be computable, with NaN where they are not, a little outside the reach:
     difference quotients and trial steps go there.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     axes: ClassVar[tuple[str, ...]] = ("x", "y", "z")
     """The columns of a pose, of x y z rx ry rz; the cuboid spans the first ``len(size)``."""

@@ -12,9 +12,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from orthospec.arrays import np
+from orthospec.described import Described
 from orthospec.manipulators.stock import PART, Material, Needed, PositiveLength, Section
 from orthospec.mechanics import bars
 from orthospec.quantities import Force, Length, Mass, Speed, Stiffness
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 SomeMass: TypeAlias = Annotated[Mass, Field(ge=0)]
 
 
-class Legs(BaseModel):
+class Legs(Described):
     """The legs of a machine, all of one kind; a PRPaR leg is a parallelogram of two bars."""
 
     model_config = PART
@@ -63,7 +64,7 @@ class Legs(BaseModel):
         return (*_missing(self, what, "legs"), *(["legs.spacing"] if wants_spacing else []))
 
 
-class Feet(BaseModel):
+class Feet(Described):
     """The bars that lead from the carriages to the legs."""
 
     model_config = PART
@@ -104,7 +105,7 @@ FeetOrRigid: TypeAlias = Annotated[
 """The type of a machine's field: `rigid` is None, carriages that carry the legs themselves."""
 
 
-class Actuators(BaseModel):
+class Actuators(Described):
     """What drives the slides, each the same."""
 
     model_config = PART
@@ -121,7 +122,7 @@ class Actuators(BaseModel):
     """Coulomb friction, which takes its part of the force; none where none is given [N]."""
 
 
-class Body(BaseModel):
+class Body(Described):
     """A rigid body that moves with the tool: platform, tool or payload."""
 
     model_config = PART

@@ -11,9 +11,10 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from orthospec.arrays import np
+from orthospec.described import Described
 from orthospec.manipulators.base import ActuatorLimits, Manipulator, Skeleton, remembering
 from orthospec.manipulators.parts import Actuators, Body, FeetOrRigid, Legs
 from orthospec.manipulators.stock import PositiveLength
@@ -37,10 +38,10 @@ ROUNDING = 1e-12
 """A pose counts as reachable down to this margin: designs end exactly on their limits."""
 
 
-class JointLimits(BaseModel):
+class JointLimits(Described):
     """How far the sliders may go."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
     min: EachSlider | None = None
     """Least slider coordinate, one for all or one for each [m]."""

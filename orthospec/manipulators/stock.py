@@ -12,7 +12,6 @@ import difflib
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import (
-    BaseModel,
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
@@ -23,6 +22,7 @@ from pydantic import (
 )
 
 from orthospec.arrays import np
+from orthospec.described import Described
 from orthospec.mechanics import bars, materials, sections
 from orthospec.quantities import Area, Density, Length, Number, Pressure, SecondMoment
 
@@ -37,14 +37,14 @@ Row: TypeAlias = tuple[Number, Number, Number, Number, Number, Number]
 Rows: TypeAlias = tuple[Row, Row, Row, Row, Row, Row]
 Needed: TypeAlias = Literal["compliance", "mass"]
 
-PART = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+PART = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 """How the classes of all parts take their keys."""
 
 _NO_COMPLIANCE = ((0.0,) * 6,) * 6
 _ONE_OF_FOUR = "one of 'round', 'rectangle', 'given' and 'compliance' was expected, or the word 'rigid'"
 
 
-class Round(BaseModel):
+class Round(Described):
     """A round bar or tube."""
 
     model_config = PART
@@ -64,7 +64,7 @@ class Round(BaseModel):
         return sections.circle(diameter=self.diameter, wall=self.wall)
 
 
-class Rectangle(BaseModel):
+class Rectangle(Described):
     """A rectangular bar or tube; z is normal to the plane of a parallelogram, y lies in it."""
 
     model_config = PART
@@ -86,7 +86,7 @@ class Rectangle(BaseModel):
         return sections.rectangle(height=self.height, width=self.width, wall=self.wall)
 
 
-class Given(BaseModel):
+class Given(Described):
     """A section of any other shape."""
 
     model_config = PART
@@ -105,7 +105,7 @@ class Given(BaseModel):
         return sections.Section(area=self.A, Iy=self.Iy, Iz=self.Iz, J=self.J)
 
 
-class Section(BaseModel):
+class Section(Described):
     """A bar's cross-section, or the bar's compliance itself; the word `rigid` stands for none at all."""
 
     model_config = PART
@@ -137,7 +137,8 @@ class Section(BaseModel):
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         """The mapping, or the word."""
-        return {"anyOf": [handler(schema), {"const": "rigid", "description": "no compliance"}]}
+        mapping = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [mapping, {"const": "rigid", "description": "no compliance"}]}
 
     @field_validator("compliance")
     @classmethod
@@ -165,7 +166,7 @@ class Section(BaseModel):
         return None if shape is None else shape.properties()
 
 
-class Material(BaseModel):
+class Material(Described):
     """A material; in its place a name of the table stands for all of its values."""
 
     model_config = PART
@@ -202,7 +203,8 @@ class Material(BaseModel):
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         """The mapping, or a name of the table."""
-        return {"anyOf": [handler(schema), {"enum": list(materials.TABLE)}]}
+        mapping = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [mapping, {"enum": list(materials.TABLE)}]}
 
     @model_validator(mode="after")
     def _has_one_shear_modulus(self) -> Self:

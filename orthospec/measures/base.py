@@ -11,7 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import ConfigDict
+
+from orthospec.described import Described
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Poses
@@ -39,10 +41,10 @@ def logarithm(bound: Any) -> Any:
     return math.log(bound) if isinstance(bound, int | float) else bound.logarithm
 
 
-class Measure(BaseModel, ABC):
+class Measure(Described, ABC):
     """A frozen pydantic model: its fields are the spec's keys (not: use, at_least, at_most, levels)."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     unit: ClassVar[str]
     """The unit of its values: "1", "m", "kg", "m/s^2" ..."""

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, StrictInt, StrictStr
+from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, StrictInt, StrictStr
 from pydantic_core import core_schema
 
+from orthospec.described import Described
 from orthospec.quantities.fields import json_schema, read, shown
 
 if TYPE_CHECKING:
@@ -61,12 +62,12 @@ Named: TypeAlias = Annotated[dict[str, _Entry], BeforeValidator(_none_is_empty)]
 """Entries under names of the user's; a section with nothing in it is an empty one."""
 
 
-class _Keys(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+class _Keys(Described):
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class _PluginKeys(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="allow", use_attribute_docstrings=True)
+class _PluginKeys(Described):
+    model_config = ConfigDict(frozen=True, extra="allow")
 
 
 class VariableKeys(_Keys):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic.errors import PydanticInvalidForJsonSchema
 
 from orthospec import registry
+from orthospec.described import description
 from orthospec.errors import PluginFault, UsageError
 from orthospec.spec.model import ManipulatorKeys, MeasureKeys, SpecKeys
 
@@ -82,7 +83,7 @@ def _bounds(made_of: type[BaseModel]) -> dict[str, Any]:
 def _bound(made_of: type[Measure], side: str) -> Any:
     if side not in made_of.sides:
         return False
-    told = str(MeasureKeys.model_fields[side].description)
+    told = str(description(MeasureKeys, side))
     unit = "" if made_of.unit == "1" else f" [{made_of.unit}]"
     return {"description": told.replace(", in the measure's unit", unit), "x-unit": made_of.unit}
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from orthospec.described import description
 from orthospec.quantities.fields import resolve, shown
 from orthospec.spec.document import Path
 
@@ -105,8 +106,10 @@ def _missing(path: Path, data: Any, model: type[BaseModel]) -> Problem:
     if isinstance(path[-1], int):
         return _too_few(path, data, model)
     name = str(path[-1])
-    field = _field(model, path)
-    about = f": {field.description.splitlines()[0].rstrip('.')}" if field and field.description else ""
+    owner = _model(model, path[:-1])
+    names = {field.alias or key: key for key, field in owner.model_fields.items()} if owner else {}
+    told = description(owner, names[name]) if owner and name in names else None
+    about = f": {told.splitlines()[0].rstrip('.')}" if told else ""
     return Problem(path[:-1], f"'{name}' is missing{about}", at_key=True, kind="missing")
 
 
