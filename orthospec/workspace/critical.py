@@ -62,21 +62,18 @@ def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: 
     """
     axis = np.linspace(-0.5, 0.5, nodes)
     lattice = np.array(list(product(axis, repeat=d)))
-    values = functions(lattice)
-    u, of = [], []
-    for k, row in enumerate(values):
+    points = lattice if known is None else np.vstack([lattice, known])
+    values = functions(points)
+    starts = []
+    for row in values[:, : len(lattice)]:
         chosen = _local_maxima(row.reshape((nodes,) * d))
-        chosen = _apart(lattice, row, chosen[row[chosen] >= _threshold(row)])
-        u.append(lattice[chosen])
-        of.append(np.full(len(chosen), k))
-    if known is not None and len(known):
-        for k, row in enumerate(functions(known)):
-            near = np.flatnonzero(row >= _threshold(values[k]))
-            near = near[np.argsort(-row[near], kind="stable")][:MOST]
-            u.append(known[near])
-            of.append(np.full(len(near), k))
-    points, owner = np.concatenate(u), np.concatenate(of)
-    return _refine(functions, points, owner, 0.5 / (nodes - 1))
+        starts.append(_apart(lattice, row, chosen[row[chosen] >= _threshold(row)]))
+    for row in values:
+        near = np.flatnonzero(row[len(lattice) :] >= _threshold(row[: len(lattice)])) + len(lattice)
+        starts.append(near[np.argsort(-row[near], kind="stable")][:MOST])
+    of = np.repeat([*range(len(values))] * 2, [len(chosen) for chosen in starts])
+    first = np.concatenate(starts)
+    return _refine(functions, Peaks(points[first], of, values[of, first]), 0.5 / (nodes - 1))
 
 
 def _threshold(row: Array) -> float:
@@ -111,9 +108,8 @@ def _own(functions: Functions, points: Array, of: NDArray[np.intp]) -> Array:
     return np.asarray(functions(points)[of, np.arange(len(points))])
 
 
-def _refine(functions: Functions, u: Array, of: NDArray[np.intp], step: float) -> Peaks:
-    peaks = _compass(functions, Peaks(u, of, _own(functions, u, of)), step, COMPASS)
-    u, value = peaks.u, peaks.value
+def _refine(functions: Functions, starts: Peaks, step: float) -> Peaks:
+    u, of, value = _compass(functions, starts, step, COMPASS)
     step /= 2**COMPASS
     for h in NEWTON:
         u, value = _newton(functions, u, of, value, h, 2 * step)
