@@ -103,4 +103,4 @@ import inspect
 inspect.getsource = inspect.getsourcelines = inspect.findsource = lambda *_: 1 / 0
 import orthospec.manipulators.orthoglide, orthospec.measures.elastic, orthospec.result, orthospec.spec
 """
-    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+    subprocess.run([sys.executable, "-P", "-c", program], check=True, capture_output=True)

@@ -105,7 +105,7 @@ print("cvxpy" in sys.modules)
     (tmp_path / "spec.yaml").write_text("\n".join(lines).replace("at_least: 0.5, ", ""), encoding="utf-8")
 
     def told(setting: str) -> list[str]:
-        command = [sys.executable, "-c", program, str(tmp_path), setting]
+        command = [sys.executable, "-P", "-c", program, str(tmp_path), setting]
         return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
 
     bound = "measures.transmission.at_most="

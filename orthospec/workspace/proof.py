@@ -185,8 +185,9 @@ class _Search:
             known = np.where(np.isnan(row), -np.inf, row)
             i = int(known.argmax())
             claim, found = self._claims[k], float(known[i])
+            # What is worse by rounding alone would be another pose or machine on another processor.
             refuted = found > self._case.slack[k] + ROUNDING
-            if refuted and (claim.verdict != "refuted" or found > claim.excess):
+            if refuted and (claim.verdict != "refuted" or found > claim.excess + ROUNDING):
                 _, (pose,) = self._family.at(points[i : i + 1])
                 at, numbers = tuple(map(float, pose)), self._family.named(points[i]) or None
                 self._worst[k] = points[i]
