@@ -20,6 +20,7 @@ tests = [
         "test_kernels.py",
         "test_largest_cubes.py",
         "test_chain_kernel.py",
+        "test_small_matrices.py",
         "test_instruction_sets.py",
     )
 ]

@@ -17,6 +17,9 @@ from orthospec.kernels import (
     gram_eigenvalues,
     largest_cube,
     leg_margins,
+    positive_inverse,
+    positive_solve,
+    row_norms,
     symmetric_eigenvalues,
 )
 
@@ -30,6 +33,20 @@ MATRICES = np.concatenate(
         np.eye(3) + 1e-9 * RANDOM.standard_normal((100, 3, 3)),
     ]
 )
+OTHERS = [
+    np.concatenate(
+        [
+            RANDOM.standard_normal((300, size, size)),
+            RANDOM.choice(SPECIAL, (300, size, size)),
+            np.where(
+                RANDOM.random((300, size, size)) < 0.5, 0.0, RANDOM.choice([1.0, 2, -1], (300, size, size))
+            ),
+            np.eye(size) + 1e-9 * RANDOM.standard_normal((100, size, size)),
+        ]
+    )
+    for size in (1, 2, 3, 4, 5, 6)
+]
+DEFINITE = [np.swapaxes(each[:300], 1, 2) @ each[:300] for each in OTHERS]
 POSES = RANDOM.uniform(-1.5, 1.5, (1001, 3))
 GEOMETRY = np.hstack([np.eye(3), RANDOM.uniform(-0.1, 0.1, (3, 3)), [[1.0, 1], [1.2, -1], [0.9, 1]]])
 SCALES = RANDOM.uniform(0.5, 1.0, (3, 7))
@@ -51,6 +68,11 @@ KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
     "largest_cube": lambda: [cube_ends(nodes, max(largest_cube(nodes) - 1, 1)) for nodes in WITHIN],
     "symmetric_eigenvalues": lambda: [symmetric_eigenvalues(MATRICES), symmetric_eigenvalues(MATRICES[::-3])],
     "gram_eigenvalues": lambda: [gram_eigenvalues(MATRICES), gram_eigenvalues(np.swapaxes(MATRICES, 1, 2))],
+    "symmetric_eigenvalues of other sizes": lambda: [symmetric_eigenvalues(each) for each in OTHERS],
+    "gram_eigenvalues of other sizes": lambda: [gram_eigenvalues(each) for each in OTHERS],
+    "positive_inverse": lambda: [one for each in DEFINITE + OTHERS for one in positive_inverse(each)],
+    "positive_solve": lambda: [one for each in DEFINITE + OTHERS for one in positive_solve(each, each)],
+    "row_norms": lambda: [row_norms(view) for each in OTHERS for view in (each, np.swapaxes(each, 1, 2))],
     "chain_compliance": lambda: chain_compliance(*compliances()),
     "close_legs": lambda: close_legs(GEOMETRY, POSES),
     "leg_margins": lambda: [leg_margins(SCALES, *close_legs(GEOMETRY, POSES)[1::2])],

@@ -31,10 +31,15 @@ __all__ = [
     "instruction_set",
     "largest_cube",
     "leg_margins",
+    "positive_inverse",
+    "positive_solve",
+    "row_norms",
     "singular_values",
     "symmetric_eigenvalues",
 ]
 
+LARGEST = 6
+"""Rows of the largest matrices that the kernels of small matrices take."""
 ILL_CONDITIONED = 1e-6
 """Below this ratio of the eigenvalues of AᵀA the slower SVD is asked, which does not square κ."""
 
@@ -55,29 +60,31 @@ def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.uint8] | NDArra
 def symmetric_eigenvalues(matrices: Matrices) -> Array:
     """Eigenvalues (n, m), ascending, of symmetric matrices, of which the lower triangles are read.
 
-    To rounding of each matrix's norm, repeated eigenvalues included. A matrix that is not finite has NaN.
+    To rounding of each matrix's norm, repeated eigenvalues included. A matrix that is not finite has NaN. Of
+    more than 6 rows by LAPACK, one at a time.
     """
     if not isinstance(matrices, np.ndarray):  # Intervals, which take part in NumPy's functions.
         return np.linalg.eigvalsh(matrices)
     matrices = _square(matrices)
-    if matrices.shape[1] != 3:
+    if not 1 <= matrices.shape[1] <= LARGEST:
         return _eigenvalues_of_any_size(matrices)
     eigenvalues = np.empty(matrices.shape[:2])
-    _kernels.symmetric_eigenvalues_3(matrices, eigenvalues)
+    _kernels.symmetric_eigenvalues(matrices, eigenvalues)
     return eigenvalues
 
 
 def gram_eigenvalues(matrices: Matrices) -> Array:
     """Eigenvalues (n, m), ascending, of AᵀA for matrices A (n, m, m): the squares of the singular values.
 
-    To rounding of the greatest. A matrix that is not finite has NaN.
+    To rounding of the greatest. A matrix that is not finite has NaN. Of more than 6 rows by LAPACK, one at a
+    time.
     """
     matrices = _square(matrices)
-    if matrices.shape[1] != 3:
+    if not 1 <= matrices.shape[1] <= LARGEST:
         with np.errstate(invalid="ignore", over="ignore"):
             return _eigenvalues_of_any_size(np.swapaxes(matrices, 1, 2) @ matrices)
     eigenvalues = np.empty(matrices.shape[:2])
-    _kernels.gram_eigenvalues_3(matrices, eigenvalues)
+    _kernels.gram_eigenvalues(matrices, eigenvalues)
     return eigenvalues
 
 
@@ -96,6 +103,49 @@ def singular_values(matrices: Matrices) -> Array:
         poor &= np.isfinite(matrices).all(axis=(1, 2))
         values[poor] = np.linalg.svd(matrices[poor], compute_uv=False)[:, ::-1]
     return values
+
+
+def positive_inverse(matrices: Matrices) -> tuple[Matrices, Flags]:
+    """A⁻¹ (n, m, m) of symmetric positive definite matrices, and where it is safe (n,).
+
+    The lower triangles are read, m of 1 to 6. Safe means positive definite, with pivots over 1e-6 of the
+    diagonal entries; the error is then rounding over the least of these, whatever the units of rows and
+    columns. Elsewhere the inverse is NaN.
+    """
+    matrices = _square(matrices)
+    inverse, safe = np.empty(matrices.shape), np.empty(len(matrices), dtype=np.bool_)
+    _kernels.positive_inverse(matrices, inverse, safe)
+    return inverse, safe
+
+
+def positive_solve(matrices: Matrices, right: Array) -> tuple[Array, Flags]:
+    """x of A x = b for symmetric positive definite A (n, m, m), and where it is safe (n,).
+
+    ``right`` is b, vectors (n, m) or columns (n, m, k), and x has its shape. The lower triangles are read, m
+    of 1 to 6. What is safe is told as for `positive_inverse`, by A alone; elsewhere x is NaN.
+    """
+    matrices, right = _square(matrices), _numbers(right)
+    if right.ndim not in (2, 3):
+        raise ValueError(f"right has the shape {right.shape}: expected (n, m) or (n, m, k)")
+    columns = right[:, :, None] if right.ndim == 2 else right
+    solution, safe = np.empty(columns.shape), np.empty(len(matrices), dtype=np.bool_)
+    _kernels.positive_solve(matrices, columns, solution, safe)
+    return solution.reshape(right.shape), safe
+
+
+def row_norms(matrices: Array) -> Array:
+    """‖row‖₂ (n, r) of the rows of matrices (n, r, c), as the root of the sum of squares.
+
+    As in NumPy, squares that overflow make inf, and those that vanish are 0.
+    """
+    if not isinstance(matrices, np.ndarray):  # Intervals, which take part in NumPy's functions.
+        return np.linalg.norm(matrices, axis=2)
+    matrices = _numbers(matrices)
+    if matrices.ndim != 3:
+        raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, r, c)")
+    norms = np.empty(matrices.shape[:2])
+    _kernels.row_norms(matrices, norms)
+    return norms
 
 
 def close_legs(geometry: Array, poses: Poses) -> tuple[Array, Array, Array, Array]:
@@ -126,9 +176,14 @@ def instruction_set() -> str:
     return _kernels.instruction_sets()[0]
 
 
+def _numbers(array: Array) -> Array:
+    """As float64, in whatever order they lie, but each at an address of a float64."""
+    numbers = np.asarray(array, dtype=np.float64)
+    return numbers if numbers.flags.aligned else numbers.copy()
+
+
 def _square(matrices: Matrices) -> Matrices:
-    """As float64, in whatever order they lie."""
-    matrices = np.asarray(matrices, dtype=np.float64)
+    matrices = _numbers(matrices)
     if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
         raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, m, m)")
     return matrices

@@ -162,31 +162,59 @@ static PyObject *cube_ends(PyObject *Py_UNUSED(module), PyObject *arguments)
     return release_all(views, count + 1, NULL);
 }
 
-static const char *wrong_eigenvalues(const Py_buffer *matrices, const Py_buffer *out)
+static int whole_strides(const Py_buffer *matrices)
 {
-    if (matrices->shape[1] != 3 || matrices->shape[2] != 3)
-        return "matrices has another shape than (n, 3, 3)";
-    if (out->shape[0] != matrices->shape[0] || out->shape[1] != 3)
-        return "out has another shape than (n, 3)";
-    if (overlap(matrices, out))
-        return "out overlaps matrices";
     for (int axis = 0; axis < 3; axis++)
         if (matrices->strides[axis] % matrices->itemsize != 0)
-            return "matrices has strides that are no whole numbers of its elements";
-    return NULL;
+            return 0;
+    return 1;
 }
 
-static PyObject *eigenvalues_by(void (*kernel)(const Matrices *, double *), PyObject *arguments, const char *signature)
+static Matrices matrices_in(const Py_buffer *view)
+{
+    const Py_ssize_t *const strides = view->strides, *const shape = view->shape, item = view->itemsize;
+    return (Matrices){view->buf,        strides[0] / item, strides[1] / item, strides[2] / item,
+                      (size_t)shape[0], shape[1],          shape[2]};
+}
+
+static const char *wrong_square(const Py_buffer *matrices)
+{
+    const Py_ssize_t *const shape = matrices->shape;
+    if (shape[1] != shape[2] || shape[1] < 1 || shape[1] > 6)
+        return "matrices has another shape than (n, m, m) with m of 1 to 6";
+    return whole_strides(matrices) ? NULL : "matrices has strides that are no whole numbers of its elements";
+}
+
+static const char *wrong_eigenvalues(const Py_buffer views[2])
+{
+    const char *const problem = wrong_square(&views[0]);
+    if (problem != NULL)
+        return problem;
+    if (views[1].shape[0] != views[0].shape[0] || views[1].shape[1] != views[0].shape[1])
+        return "out has another shape than (n, m), by the matrices";
+    return overlap(&views[0], &views[1]) ? "out overlaps matrices" : NULL;
+}
+
+static const char *wrong_norms(const Py_buffer views[2])
+{
+    if (views[1].shape[0] != views[0].shape[0] || views[1].shape[1] != views[0].shape[1])
+        return "out has another shape than (n, r), by the matrices";
+    if (!whole_strides(&views[0]))
+        return "matrices has strides that are no whole numbers of its elements";
+    return overlap(&views[0], &views[1]) ? "out overlaps matrices" : NULL;
+}
+
+/* A kernel from matrices to a row of numbers for each. */
+static PyObject *rows_by(void (*kernel)(const Matrices *, double *), const char *(*wrong)(const Py_buffer[2]),
+                         PyObject *arguments, const char *signature)
 {
     static const Argument wanted[2] = {{"matrices", "d", "float64", 3, READ_STRIDED}, {"out", "d", "float64", 2, WRITTEN}};
     Py_buffer views[2];
     if (take_all(arguments, signature, wanted, views, 2) < 0)
         return NULL;
-    const char *const problem = wrong_eigenvalues(&views[0], &views[1]);
+    const char *const problem = wrong(views);
     if (problem == NULL) {
-        const Py_ssize_t *const strides = views[0].strides, item = views[0].itemsize;
-        const Matrices matrices = {views[0].buf, strides[0] / item, strides[1] / item, strides[2] / item,
-                                   (size_t)views[0].shape[0]};
+        const Matrices matrices = matrices_in(&views[0]);
         Py_BEGIN_ALLOW_THREADS
         kernel(&matrices, views[1].buf);
         Py_END_ALLOW_THREADS
@@ -196,31 +224,105 @@ static PyObject *eigenvalues_by(void (*kernel)(const Matrices *, double *), PyOb
 
 static PyObject *symmetric_eigenvalues(PyObject *Py_UNUSED(module), PyObject *arguments)
 {
-    return eigenvalues_by(in_use->symmetric_eigenvalues_3, arguments, "OO:symmetric_eigenvalues_3");
+    return rows_by(in_use->symmetric_eigenvalues, wrong_eigenvalues, arguments, "OO:symmetric_eigenvalues");
 }
 
 static PyObject *gram_eigenvalues(PyObject *Py_UNUSED(module), PyObject *arguments)
 {
-    return eigenvalues_by(in_use->gram_eigenvalues_3, arguments, "OO:gram_eigenvalues_3");
+    return rows_by(in_use->gram_eigenvalues, wrong_eigenvalues, arguments, "OO:gram_eigenvalues");
+}
+
+static PyObject *row_norms(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    return rows_by(in_use->row_norms, wrong_norms, arguments, "OO:row_norms");
+}
+
+/* Of views of which the last two, `out` and `safe`, are written. */
+static const char *wrong_written(const Py_buffer views[], int count)
+{
+    const Py_buffer *const out = &views[count - 2], *const safe = &views[count - 1];
+    if (safe->shape[0] != views[0].shape[0])
+        return "safe has another shape than (n,)";
+    for (int other = 0; other < count - 2; other++)
+        if (overlap(out, &views[other]))
+            return "out overlaps another argument";
+    for (int other = 0; other < count - 1; other++)
+        if (overlap(safe, &views[other]))
+            return "safe overlaps another argument";
+    return NULL;
+}
+
+static const char *wrong_inverses(const Py_buffer views[3])
+{
+    const char *const problem = wrong_square(&views[0]);
+    if (problem != NULL)
+        return problem;
+    if (memcmp(views[1].shape, views[0].shape, 3 * sizeof *views[0].shape) != 0)
+        return "out has another shape than matrices";
+    return wrong_written(views, 3);
+}
+
+static PyObject *positive_inverse(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    static const Argument wanted[3] = {{"matrices", "d", "float64", 3, READ_STRIDED},
+                                       {"out", "d", "float64", 3, WRITTEN},
+                                       {"safe", "B?", "uint8 or bool", 1, WRITTEN}};
+    Py_buffer views[3];
+    if (take_all(arguments, "OOO:positive_inverse", wanted, views, 3) < 0)
+        return NULL;
+    const char *const problem = wrong_inverses(views);
+    if (problem == NULL) {
+        const Matrices matrices = matrices_in(&views[0]);
+        Py_BEGIN_ALLOW_THREADS
+        in_use->positive_inverse(&matrices, views[1].buf, views[2].buf);
+        Py_END_ALLOW_THREADS
+    }
+    return release_all(views, 3, problem);
+}
+
+static const char *wrong_solutions(const Py_buffer views[4])
+{
+    const char *const problem = wrong_square(&views[0]);
+    if (problem != NULL)
+        return problem;
+    if (memcmp(views[1].shape, views[0].shape, 2 * sizeof *views[0].shape) != 0)
+        return "right has another shape than (n, m, k), by the matrices";
+    if (!whole_strides(&views[1]))
+        return "right has strides that are no whole numbers of its elements";
+    if (memcmp(views[2].shape, views[1].shape, 3 * sizeof *views[0].shape) != 0)
+        return "out has another shape than right";
+    return wrong_written(views, 4);
+}
+
+static PyObject *positive_solve(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    static const Argument wanted[4] = {{"matrices", "d", "float64", 3, READ_STRIDED},
+                                       {"right", "d", "float64", 3, READ_STRIDED},
+                                       {"out", "d", "float64", 3, WRITTEN},
+                                       {"safe", "B?", "uint8 or bool", 1, WRITTEN}};
+    Py_buffer views[4];
+    if (take_all(arguments, "OOOO:positive_solve", wanted, views, 4) < 0)
+        return NULL;
+    const char *const problem = wrong_solutions(views);
+    if (problem == NULL) {
+        const Matrices matrices = matrices_in(&views[0]), right = matrices_in(&views[1]);
+        Py_BEGIN_ALLOW_THREADS
+        in_use->positive_solve(&matrices, &right, views[2].buf, views[3].buf);
+        Py_END_ALLOW_THREADS
+    }
+    return release_all(views, 4, problem);
 }
 
 static const char *wrong_chains(const Py_buffer views[4])
 {
-    const Py_ssize_t *const d = views[0].shape, *const w = views[1].shape;
-    const Py_ssize_t *const out = views[2].shape, *const safe = views[3].shape;
+    const Py_ssize_t *const d = views[0].shape, *const w = views[1].shape, *const out = views[2].shape;
     if (d[2] != d[3] || d[2] < 1 || d[2] > 6)
         return "compliances has another shape than (n, chains, m, m) with m of 1 to 6";
     if (memcmp(d, w, 3 * sizeof *d) != 0 || w[3] != 6)
         return "wrenches has another shape than (n, chains, m, 6), by the compliances";
     if (out[0] != d[0] || out[1] != 6 || out[2] != 6)
         return "out has another shape than (n, 6, 6)";
-    if (safe[0] != d[0])
-        return "safe has another shape than (n,)";
-    for (int written = 2; written < 4; written++)
-        for (int other = 0; other < written; other++)
-            if (overlap(&views[written], &views[other]))
-                return written == 2 ? "out overlaps another argument" : "safe overlaps another argument";
-    return NULL;
+    return wrong_written(views, 4);
 }
 
 static PyObject *compliance(PyObject *Py_UNUSED(module), PyObject *arguments)
@@ -355,10 +457,15 @@ static PyMethodDef methods[] = {
      "largest_cube(nodes, axes)\n--\n\nEdge in nodes of the largest cube, or of the largest square for two axes."},
     {"cube_ends", cube_ends, METH_VARARGS,
      "cube_ends(nodes, axes, edge, out)\n--\n\nWhere cubes of this edge end, a bit a node."},
-    {"symmetric_eigenvalues_3", symmetric_eigenvalues, METH_VARARGS,
-     "symmetric_eigenvalues_3(matrices, out)\n--\n\nEigenvalues, ascending, from the lower triangles."},
-    {"gram_eigenvalues_3", gram_eigenvalues, METH_VARARGS,
-     "gram_eigenvalues_3(matrices, out)\n--\n\nEigenvalues, ascending, of each matrix's transpose times itself."},
+    {"symmetric_eigenvalues", symmetric_eigenvalues, METH_VARARGS,
+     "symmetric_eigenvalues(matrices, out)\n--\n\nEigenvalues, ascending, from the lower triangles."},
+    {"gram_eigenvalues", gram_eigenvalues, METH_VARARGS,
+     "gram_eigenvalues(matrices, out)\n--\n\nEigenvalues, ascending, of each matrix's transpose times itself."},
+    {"positive_inverse", positive_inverse, METH_VARARGS,
+     "positive_inverse(matrices, out, safe)\n--\n\nInverses of positive definite matrices, from the lower triangles."},
+    {"positive_solve", positive_solve, METH_VARARGS,
+     "positive_solve(matrices, right, out, safe)\n--\n\nWhat positive definite matrices take to the right side."},
+    {"row_norms", row_norms, METH_VARARGS, "row_norms(matrices, out)\n--\n\nThe length of each row."},
     {"chain_compliance", compliance, METH_VARARGS,
      "chain_compliance(compliances, wrenches, out, safe)\n--\n\nCompliance of a platform on chains side by side."},
     {"close_legs", close_legs, METH_VARARGS,

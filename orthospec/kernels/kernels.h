@@ -24,11 +24,13 @@
 #define RESTRICT restrict
 #endif
 
-/* `count` 3 x 3 matrices; the entry (i, j) of node n stands at data + n * node + i * row + j * column, in doubles. */
+/* `count` matrices, rows x columns; the entry (i, j) of node n stands at data + n * node + i * row + j * column, in
+ * doubles. */
 typedef struct {
     const double *data;
     ptrdiff_t node, row, column;
     size_t count;
+    ptrdiff_t rows, columns;
 } Matrices;
 
 /* `count` nodes, each of `chains` chains that transmit `size` <= 6 wrenches. */
@@ -107,10 +109,17 @@ typedef struct {
     size_t (*largest_cube)(const Nodes *nodes, uint64_t *room);
     /* Where cubes of an edge > 0 end: rows of words, the least bit first; in room for `edge` planes. */
     void (*cube_ends)(const Nodes *nodes, size_t edge, uint64_t *room, uint64_t *ends);
-    /* Eigenvalues, ascending, of symmetric matrices, of which the lower triangles are read. */
-    void (*symmetric_eigenvalues_3)(const Matrices *matrices, double *eigenvalues);
+    /* Eigenvalues, ascending, of symmetric matrices of up to 6 rows, of which the lower triangles are read. */
+    void (*symmetric_eigenvalues)(const Matrices *matrices, double *eigenvalues);
     /* Those of A^T A. */
-    void (*gram_eigenvalues_3)(const Matrices *matrices, double *eigenvalues);
+    void (*gram_eigenvalues)(const Matrices *matrices, double *eigenvalues);
+    /* Inverses of symmetric positive definite matrices of up to 6 rows, of which the lower triangles are read; a
+     * node that is not safe to compute so is NaN. */
+    void (*positive_inverse)(const Matrices *matrices, double *inverses, uint8_t *safe);
+    /* What such matrices take to `right` (count x rows x any), in its shape. */
+    void (*positive_solve)(const Matrices *matrices, const Matrices *right, double *solutions, uint8_t *safe);
+    /* The length of each row (count x rows). */
+    void (*row_norms)(const Matrices *matrices, double *norms);
     /* Compliance of each node's platform (count x 6 x 6); a node that is not safe to compute so is NaN. */
     void (*chain_compliance)(const Chains *chains, double *out, uint8_t *safe);
     /* The loops of the legs closed. */

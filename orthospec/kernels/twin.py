@@ -11,7 +11,16 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Matrices
 
-__all__ = ["chain_compliance", "cube_ends", "cube_sizes", "largest_cube", "symmetric_eigenvalues"]
+__all__ = [
+    "chain_compliance",
+    "cube_ends",
+    "cube_sizes",
+    "largest_cube",
+    "positive_inverse",
+    "positive_solve",
+    "row_norms",
+    "symmetric_eigenvalues",
+]
 
 
 def cube_sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
@@ -62,6 +71,22 @@ def _sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
 def symmetric_eigenvalues(matrices: Matrices) -> Array:
     """Eigenvalues (n, m), ascending, by LAPACK; the matrices have to be finite."""
     return np.linalg.eigvalsh(matrices).astype(np.float64)
+
+
+def positive_inverse(matrices: Matrices) -> Matrices:
+    """A⁻¹ (n, m, m), one after the other; nothing may be singular."""
+    return np.array([np.linalg.inv(one) for one in matrices]).reshape(matrices.shape)
+
+
+def positive_solve(matrices: Matrices, right: Array) -> Array:
+    """x (n, m) or (n, m, k) of A x = b, one after the other; nothing may be singular."""
+    pairs = zip(matrices, right, strict=True)
+    return np.array([np.linalg.solve(one, b) for one, b in pairs]).reshape(right.shape)
+
+
+def row_norms(matrices: Array) -> Array:
+    """‖row‖₂ (n, r) of matrices (n, r, c)."""
+    return np.asarray(np.linalg.norm(matrices, axis=2))
 
 
 def chain_compliance(compliances: Array, wrenches: Array) -> Matrices:

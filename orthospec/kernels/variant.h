@@ -1,7 +1,12 @@
 /* All kernels, compiled for the instruction set of the file that includes this and defines VARIANT and NAME. */
 #include "cube_sizes.inc"
+#include "lanes.inc"
+#include "factors.inc"
 #include "chains.inc"
+#include "positive.inc"
 #include "eigenvalues.inc"
+#include "tridiagonal.inc"
+#include "rows.inc"
 #include "legs.inc"
 #include "pack.inc"
 #include "largest_cubes.inc"
@@ -12,8 +17,11 @@ const Kernels VARIANT = {
     .cube_sizes_u16 = cube_sizes_u16,
     .largest_cube = largest_cube,
     .cube_ends = cube_ends,
-    .symmetric_eigenvalues_3 = symmetric_eigenvalues_3,
-    .gram_eigenvalues_3 = gram_eigenvalues_3,
+    .symmetric_eigenvalues = symmetric_eigenvalues,
+    .gram_eigenvalues = gram_eigenvalues,
+    .positive_inverse = positive_inverse,
+    .positive_solve = positive_solve,
+    .row_norms = row_norms,
     .chain_compliance = chain_compliance,
     .close_legs = close_legs,
     .leg_margins = leg_margins,
