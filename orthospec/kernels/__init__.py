@@ -143,6 +143,10 @@ def row_norms(matrices: Array) -> Array:
     matrices = _numbers(matrices)
     if matrices.ndim != 3:
         raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, r, c)")
+    if abs(matrices.strides[0]) < abs(matrices.strides[1]):  # The norms lie as the rows do, as in NumPy.
+        norms = np.empty(matrices.shape[1::-1])
+        _kernels.row_norms(np.swapaxes(matrices, 0, 1), norms)
+        return norms.T
     norms = np.empty(matrices.shape[:2])
     _kernels.row_norms(matrices, norms)
     return norms

@@ -115,7 +115,7 @@ class Acceleration(Measure):
         rows = _force_rows(manipulator, poses)
         left = _forces_left(manipulator, poses).min(axis=2)
         with np.errstate(divide="ignore", invalid="ignore"):
-            radius = (left / np.linalg.norm(rows, axis=2)).min(axis=1)
+            radius = (left / _norms(rows)).min(axis=1)
             if self.ball == "ellipsoid":
                 ellipsoid = 1.0 / np.sqrt(_eigenvalues(_gram(rows, left))[:, -1])
                 radius = np.where((left <= 0).any(axis=1), radius, ellipsoid)
@@ -147,7 +147,7 @@ class JointSpeed(Measure):
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:
         """The joint speed [m/s] (n,)."""
         rows = manipulator.inverse_jacobian(poses)
-        speeds: Array = self.speed * np.linalg.norm(rows, axis=2).max(axis=1)
+        speeds: Array = self.speed * _norms(rows).max(axis=1)
         return speeds
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
@@ -167,7 +167,7 @@ class ToolSpeed(Measure):
         """The tool's speed [m/s] (n,)."""
         rows = manipulator.inverse_jacobian(poses)
         with np.errstate(divide="ignore"):
-            speeds = manipulator.actuator_limits().speeds / np.linalg.norm(rows, axis=2)
+            speeds = manipulator.actuator_limits().speeds / _norms(rows)
         least: Array = speeds.min(axis=1)
         return least
 
@@ -226,7 +226,7 @@ class ActuatorForce(Measure):
 
     def _forces(self, manipulator: Manipulator, poses: Poses) -> tuple[Array, Array, Array]:
         """a ‖r_i‖ + f_i (n, m), g_i (n, m), and v² Q_i (n, m, d, d), without entries at rest."""
-        norms = np.linalg.norm(_force_rows(manipulator, poses), axis=2)
+        norms = _norms(_force_rows(manipulator, poses))
         pushes = self.acceleration * norms + manipulator.actuator_limits().friction
         with np.errstate(invalid="ignore"):
             rest = manipulator.rest_load(poses)
@@ -239,6 +239,13 @@ def _eigenvalues(matrices: Matrices) -> Array:
     from orthospec import kernels
 
     return kernels.symmetric_eigenvalues(matrices)
+
+
+def _norms(matrices: Matrices) -> Array:
+    """‖row_i‖ (n, m)."""
+    from orthospec import kernels
+
+    return kernels.row_norms(matrices)
 
 
 def _inertia(manipulator: Manipulator, poses: Poses) -> Matrices:
@@ -256,7 +263,7 @@ def _or_if_singular(worst: float, values: Array, manipulator: Manipulator, poses
         return values
     inverse = manipulator.inverse_jacobian(poses)[unknown]
     with np.errstate(divide="ignore", invalid="ignore"):
-        volume = np.linalg.norm(inverse, axis=2).prod(axis=1)
+        volume = _norms(inverse).prod(axis=1)
         singular = np.abs(np.linalg.det(inverse)) <= SINGULAR * volume
     found = values.copy()
     found[unknown[singular]] = worst
