@@ -21,6 +21,7 @@ from orthospec.kernels import (
     positive_solve,
     row_norms,
     symmetric_eigenvalues,
+    symmetric_eigenvectors,
 )
 
 ALL = _kernels.instruction_sets()
@@ -69,6 +70,7 @@ KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
     "symmetric_eigenvalues": lambda: [symmetric_eigenvalues(MATRICES), symmetric_eigenvalues(MATRICES[::-3])],
     "gram_eigenvalues": lambda: [gram_eigenvalues(MATRICES), gram_eigenvalues(np.swapaxes(MATRICES, 1, 2))],
     "symmetric_eigenvalues of other sizes": lambda: [symmetric_eigenvalues(each) for each in OTHERS],
+    "symmetric_eigenvectors": lambda: [one for each in OTHERS for one in symmetric_eigenvectors(each)],
     "gram_eigenvalues of other sizes": lambda: [gram_eigenvalues(each) for each in OTHERS],
     "positive_inverse": lambda: [one for each in DEFINITE + OTHERS for one in positive_inverse(each)],
     "positive_solve": lambda: [one for each in DEFINITE + OTHERS for one in positive_solve(each, each)],

@@ -14,6 +14,7 @@ from orthospec.kernels import (
     gram_eigenvalues,
     singular_values,
     symmetric_eigenvalues,
+    symmetric_eigenvectors,
     twin,
 )
 
@@ -299,6 +300,91 @@ class TestSymmetricEigenvalues:
         np.testing.assert_array_equal(symmetric_eigenvalues(along), expected)
 
 
+def conditioned(size, count, seed):
+    """B and the diagonal of D of positive definite D B D: B well-conditioned, D over eight powers of ten."""
+    random = np.random.default_rng(seed)
+    halves = random.standard_normal((count, size, 2 * size))
+    halves /= np.linalg.norm(halves, axis=2, keepdims=True)
+    return halves @ np.swapaxes(halves, 1, 2), 10.0 ** random.uniform(-8, 0, (count, size))
+
+
+class TestSymmetricEigenvectors:
+    """Residuals are told beside the norm of each matrix, in units of EPS."""
+
+    def assert_exact(self, matrices, bound):
+        eigenvalues, vectors = symmetric_eigenvectors(matrices)
+        size = matrices.shape[1]
+        norms = np.abs(eigenvalues).max(axis=1)[:, None, None]
+        gram = np.swapaxes(vectors, 1, 2) @ vectors
+        assert (np.diff(eigenvalues, axis=1) >= 0).all()
+        assert np.abs(gram - np.eye(size)).max() <= 20 * EPS
+        assert (np.abs(matrices @ vectors - vectors * eigenvalues[:, None, :]) <= bound * EPS * norms).all()
+        expected = twin.symmetric_eigenvectors(matrices)[0][:, :, None]
+        assert (np.abs(eigenvalues[:, :, None] - expected) <= 16 * EPS * norms).all()
+
+    @pytest.mark.parametrize("size", [1, *SIZES, 7])
+    def test_are_orthonormal_and_leave_rounding_at_random(self, size):
+        random = np.random.default_rng(25)
+        self.assert_exact(symmetric(random.standard_normal((3000, size, size))), 16)
+        self.assert_exact(symmetric(random.choice([0, 0, 1, -1, 2.0], (3000, size, size))), 16)
+        self.assert_exact(symmetric(10.0 ** random.uniform(-30, 0, (3000, size, size))), 16)
+
+    @pytest.mark.parametrize("split", [1e-8, 1e-15, 0.0])
+    @pytest.mark.parametrize(
+        "base", [(1, 1), (1, 1, 1), (1, 2, 2), (0, 0, 1), (1, 1, 1, 1, 1, 1), (-1, -1, 0, 0, 1, 1)]
+    )
+    def test_are_where_eigenvalues_meet(self, base, split):
+        self.assert_exact(with_spectrum(np.asarray(base) + split * np.arange(len(base)), 300, seed=26), 16)
+
+    @pytest.mark.parametrize("scale", [1e-300, 1e-150, 1e150, 1e300])
+    def test_are_at_any_scale(self, scale):
+        matrices = symmetric(np.random.default_rng(27).uniform(-1, 1, (50, 3, 3)))
+        eigenvalues, vectors = symmetric_eigenvectors(matrices * scale)
+        expected, others = symmetric_eigenvectors(matrices)
+        np.testing.assert_allclose(eigenvalues, expected * scale, rtol=1e-13)
+        np.testing.assert_allclose(vectors, others, rtol=0, atol=1e-13)
+
+    @pytest.mark.parametrize("size", [2, 3, 6])
+    def test_have_every_eigenvalue_of_a_definite_matrix_to_rounding_of_itself(self, size):
+        core, units = conditioned(size, 10, seed=28)
+        matrices = symmetric(core * units[:, :, None] * units[:, None, :])
+        found, _ = symmetric_eigenvectors(matrices)
+        with mpmath.workdps(60):
+            for eigenvalues, matrix, condition in zip(found, matrices, np.linalg.cond(core), strict=True):
+                exact = sorted(mpmath.eigsy(mpmath.matrix(matrix.tolist()), eigvals_only=True))
+                for computed, e in zip(eigenvalues, exact, strict=True):
+                    assert abs(computed - e) <= 8 * EPS * condition * e
+
+    @pytest.mark.parametrize("size", [2, 3, 6])
+    def test_of_a_diagonal_matrix_are_the_axes(self, size):
+        diagonal = np.array([3.0, -1.0, 2.0, 1e-300, 1e-20, -5.0])[:size]
+        eigenvalues, vectors = symmetric_eigenvectors(np.diag(diagonal)[None])
+        np.testing.assert_array_equal(eigenvalues[0], np.sort(diagonal))
+        np.testing.assert_array_equal(vectors[0], np.eye(size)[:, np.argsort(diagonal)])
+
+    @pytest.mark.parametrize("size", [1, 2, 3, 6, 7])
+    def test_have_the_same_bits_in_any_company_beside_what_is_not_finite_and_in_any_order(self, size):
+        matrices = symmetric(np.random.default_rng(29).standard_normal((70, size, size)))
+        expected = symmetric_eigenvectors(matrices)
+        for node in (0, 31, 32, 69):
+            for found, wanted in zip(
+                symmetric_eigenvectors(matrices[node : node + 1]), expected, strict=True
+            ):
+                np.testing.assert_array_equal(found[0], wanted[node])
+            spoilt = matrices.copy()
+            spoilt[node, size - 1, 0] = np.nan if node % 2 else np.inf
+            for found, wanted in zip(symmetric_eigenvectors(spoilt), expected, strict=True):
+                assert np.isnan(found[node]).all()
+                np.testing.assert_array_equal(np.delete(found, node, 0), np.delete(wanted, node, 0))
+        lain = np.asfortranarray(np.tril(matrices) + np.triu(np.full_like(matrices, np.nan), 1))
+        lain[:, *np.diag_indices(size)] = matrices[:, *np.diag_indices(size)]
+        for found, wanted in zip(symmetric_eigenvectors(lain[::-2]), expected, strict=True):
+            np.testing.assert_array_equal(found, wanted[::-2])
+
+    def test_of_no_matrices_are_none(self):
+        assert [one.shape for one in symmetric_eigenvectors(np.empty((0, 3, 3)))] == [(0, 3), (0, 3, 3)]
+
+
 class TestSingularValues:
     @pytest.mark.parametrize("size", [2, 3, 4, 5, 6, 7])
     def test_equal_lapacks_at_random_also_where_they_are_far_apart(self, size):
@@ -394,6 +480,20 @@ class TestArguments:
     def test_wrong_ones_of_the_eigenvalues_are_named(self, matrices, out, exception, message):
         with pytest.raises(exception, match=message):
             _kernels.symmetric_eigenvalues(matrices, out)
+
+    @pytest.mark.parametrize(
+        ("matrices", "out", "vectors", "message"),
+        [
+            (zeros(2, 7, 7, dtype="f8"), zeros(2, 7, dtype="f8"), zeros(2, 7, 7, dtype="f8"), "matrices has"),
+            (zeros(2, 3, 3, dtype="f8"), zeros(2, 2, dtype="f8"), zeros(2, 3, 3, dtype="f8"), "out has"),
+            (zeros(2, 3, 3, dtype="f8"), zeros(2, 3, dtype="f8"), zeros(2, 3, 2, dtype="f8"), "vectors has"),
+            (MATRICES, zeros(2, 3, dtype="f8"), MATRICES, "vectors overlaps"),
+            (zeros(2, 3, 3, dtype="f8"), MATRICES[0, :2], MATRICES, "vectors overlaps"),
+        ],
+    )
+    def test_wrong_ones_of_the_eigenvectors_are_named(self, matrices, out, vectors, message):
+        with pytest.raises(ValueError, match=message):
+            _kernels.symmetric_eigenvectors(matrices, out, vectors)
 
     def test_of_a_kernel_may_be_read_only_where_they_are_read(self):
         mask, out = frozen(np.ones((2, 2, 2), dtype=np.uint8)), zeros(2, 2, 2)

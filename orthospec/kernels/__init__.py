@@ -36,6 +36,7 @@ __all__ = [
     "row_norms",
     "singular_values",
     "symmetric_eigenvalues",
+    "symmetric_eigenvectors",
 ]
 
 LARGEST = 6
@@ -71,6 +72,24 @@ def symmetric_eigenvalues(matrices: Matrices) -> Array:
     eigenvalues = np.empty(matrices.shape[:2])
     _kernels.symmetric_eigenvalues(matrices, eigenvalues)
     return eigenvalues
+
+
+def symmetric_eigenvectors(matrices: Matrices) -> tuple[Array, Matrices]:
+    """Eigenvalues λ (n, m), ascending, and unit eigenvectors, in columns V (n, m, m): A V = V diag(λ).
+
+    The lower triangles are read. A matrix that is not finite has NaN. V is orthonormal to rounding, repeated
+    eigenvalues included, and λ right to rounding of the norm; those of a positive definite matrix are so to
+    rounding of each, times the condition number that the matrix has once its diagonal is 1, where LAPACK's
+    are not. Of more than 6 rows by LAPACK, one at a time.
+    """
+    matrices = _square(matrices)
+    eigenvalues, vectors = np.full(matrices.shape[:2], np.nan), np.full(matrices.shape, np.nan)
+    if 1 <= matrices.shape[1] <= LARGEST:
+        _kernels.symmetric_eigenvectors(matrices, eigenvalues, vectors)
+    else:
+        known = np.isfinite(np.tril(matrices)).all(axis=(1, 2))
+        eigenvalues[known], vectors[known] = np.linalg.eigh(matrices[known])
+    return eigenvalues, vectors
 
 
 def gram_eigenvalues(matrices: Matrices) -> Array:

@@ -227,6 +227,34 @@ static PyObject *symmetric_eigenvalues(PyObject *Py_UNUSED(module), PyObject *ar
     return rows_by(in_use->symmetric_eigenvalues, wrong_eigenvalues, arguments, "OO:symmetric_eigenvalues");
 }
 
+static const char *wrong_eigenvectors(const Py_buffer views[3])
+{
+    const char *const problem = wrong_eigenvalues(views);
+    if (problem != NULL)
+        return problem;
+    if (memcmp(views[2].shape, views[0].shape, 3 * sizeof *views[0].shape) != 0)
+        return "vectors has another shape than matrices";
+    return overlap(&views[2], &views[0]) || overlap(&views[2], &views[1]) ? "vectors overlaps another argument" : NULL;
+}
+
+static PyObject *symmetric_eigenvectors(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    static const Argument wanted[3] = {{"matrices", "d", "float64", 3, READ_STRIDED},
+                                       {"out", "d", "float64", 2, WRITTEN},
+                                       {"vectors", "d", "float64", 3, WRITTEN}};
+    Py_buffer views[3];
+    if (take_all(arguments, "OOO:symmetric_eigenvectors", wanted, views, 3) < 0)
+        return NULL;
+    const char *const problem = wrong_eigenvectors(views);
+    if (problem == NULL) {
+        const Matrices matrices = matrices_in(&views[0]);
+        Py_BEGIN_ALLOW_THREADS
+        in_use->symmetric_eigenvectors(&matrices, views[1].buf, views[2].buf);
+        Py_END_ALLOW_THREADS
+    }
+    return release_all(views, 3, problem);
+}
+
 static PyObject *gram_eigenvalues(PyObject *Py_UNUSED(module), PyObject *arguments)
 {
     return rows_by(in_use->gram_eigenvalues, wrong_eigenvalues, arguments, "OO:gram_eigenvalues");
@@ -459,6 +487,8 @@ static PyMethodDef methods[] = {
      "cube_ends(nodes, axes, edge, out)\n--\n\nWhere cubes of this edge end, a bit a node."},
     {"symmetric_eigenvalues", symmetric_eigenvalues, METH_VARARGS,
      "symmetric_eigenvalues(matrices, out)\n--\n\nEigenvalues, ascending, from the lower triangles."},
+    {"symmetric_eigenvectors", symmetric_eigenvectors, METH_VARARGS,
+     "symmetric_eigenvectors(matrices, out, vectors)\n--\n\nEigenvalues, ascending, and unit vectors to them."},
     {"gram_eigenvalues", gram_eigenvalues, METH_VARARGS,
      "gram_eigenvalues(matrices, out)\n--\n\nEigenvalues, ascending, of each matrix's transpose times itself."},
     {"positive_inverse", positive_inverse, METH_VARARGS,

@@ -111,7 +111,9 @@ typedef struct {
     void (*cube_ends)(const Nodes *nodes, size_t edge, uint64_t *room, uint64_t *ends);
     /* Eigenvalues, ascending, of symmetric matrices of up to 6 rows, of which the lower triangles are read. */
     void (*symmetric_eigenvalues)(const Matrices *matrices, double *eigenvalues);
-    /* Those of A^T A. */
+    /* Those and unit vectors to them, in the columns of count matrices. */
+    void (*symmetric_eigenvectors)(const Matrices *matrices, double *eigenvalues, double *vectors);
+    /* The eigenvalues of A^T A. */
     void (*gram_eigenvalues)(const Matrices *matrices, double *eigenvalues);
     /* Inverses of symmetric positive definite matrices of up to 6 rows, of which the lower triangles are read; a
      * node that is not safe to compute so is NaN. */

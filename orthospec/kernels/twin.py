@@ -20,6 +20,7 @@ __all__ = [
     "positive_solve",
     "row_norms",
     "symmetric_eigenvalues",
+    "symmetric_eigenvectors",
 ]
 
 
@@ -71,6 +72,12 @@ def _sizes(mask: NDArray[np.uint8 | np.bool_]) -> NDArray[np.int64]:
 def symmetric_eigenvalues(matrices: Matrices) -> Array:
     """Eigenvalues (n, m), ascending, by LAPACK; the matrices have to be finite."""
     return np.linalg.eigvalsh(matrices).astype(np.float64)
+
+
+def symmetric_eigenvectors(matrices: Matrices) -> tuple[Array, Matrices]:
+    """Eigenvalues (n, m), ascending, and eigenvectors (n, m, m) by LAPACK; the matrices have to be finite."""
+    eigenvalues, vectors = np.linalg.eigh(matrices)
+    return eigenvalues, vectors
 
 
 def positive_inverse(matrices: Matrices) -> Matrices:

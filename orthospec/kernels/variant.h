@@ -6,6 +6,7 @@
 #include "positive.inc"
 #include "eigenvalues.inc"
 #include "tridiagonal.inc"
+#include "jacobi.inc"
 #include "rows.inc"
 #include "legs.inc"
 #include "pack.inc"
@@ -18,6 +19,7 @@ const Kernels VARIANT = {
     .largest_cube = largest_cube,
     .cube_ends = cube_ends,
     .symmetric_eigenvalues = symmetric_eigenvalues,
+    .symmetric_eigenvectors = symmetric_eigenvectors,
     .gram_eigenvalues = gram_eigenvalues,
     .positive_inverse = positive_inverse,
     .positive_solve = positive_solve,

@@ -30,13 +30,13 @@ NEGLIGIBLE = 1e-13
 
 def matrix_logarithm(matrices: Matrices) -> Matrices:
     """ln M (n, m, m), symmetric, of symmetric M; NaN where M is not finite or not positive definite."""
-    known = np.isfinite(matrices).all(axis=(1, 2), keepdims=True)
-    safe = np.where(known, matrices, np.eye(matrices.shape[1]))
-    eigenvalues, vectors = np.linalg.eigh(safe)
-    known = known & (eigenvalues[:, :1, None] > 0)
-    eigenvalues = np.where(known[:, :, 0], eigenvalues, 1.0)
-    found = (vectors * np.log(eigenvalues)[:, None, :]) @ np.swapaxes(vectors, 1, 2)
-    return np.where(known, (found + np.swapaxes(found, 1, 2)) / 2, np.nan)
+    from orthospec import kernels
+
+    eigenvalues, vectors = kernels.symmetric_eigenvectors(matrices)
+    known = eigenvalues[:, :1] > 0
+    logarithms = np.log(np.where(known, eigenvalues, 1.0))
+    found = (vectors * logarithms[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+    return np.where(known[:, :, None], (found + np.swapaxes(found, 1, 2)) / 2, np.nan)
 
 
 def semidefinite_logarithm(matrices: Matrices) -> Matrices:
