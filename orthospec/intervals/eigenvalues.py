@@ -88,9 +88,11 @@ def singular_values(x: Any) -> Interval:
 
 def extreme_eigenvalues(matrices: Array) -> tuple[Array, Array]:
     """Verified bounds below the least and above the greatest eigenvalue of symmetric matrices (..., m, m)."""
+    from orthospec import kernels
+
     m = matrices.shape[-1]
     norm = _frobenius(matrices)
-    found = _approximate_eigenvalues(matrices.reshape(-1, m, m)).reshape(*matrices.shape[:-1])
+    found = kernels.symmetric_eigenvalues(matrices.reshape(-1, m, m)).reshape(*matrices.shape[:-1])
     margin = norm * CLOSE + TINY
     least, greatest = found[..., 0] - margin, found[..., -1] + margin
     eye = np.eye(m)
@@ -125,18 +127,6 @@ def _least_eigenvalue_is_above(matrices: Array) -> Array:
     return np.where(positive, -(2 * (m + 2) * ULP * trace + TINY), np.nan)
 
 
-def _approximate_eigenvalues(matrices: Array) -> Array:
-    known = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
-    safe = matrices if known.all() else np.where(known[:, None, None], matrices, 0.0)
-    if matrices.shape[1] == 3:
-        from orthospec import kernels
-
-        found = kernels.symmetric_eigenvalues(safe)
-    else:
-        found = np.linalg.eigvalsh(safe).astype(np.float64)
-    return np.where(known[:, None], found, np.nan)
-
-
 def _extremes_at_corners(form: Linear) -> tuple[Array, Array]:
     """Below λ_min and above λ_max over each box."""
     corners, rest = _corners(form)
@@ -156,10 +146,13 @@ def _corners(form: Linear) -> tuple[Array, Array]:
 
 def _in_middle_axes(A: Interval, middle: Array) -> tuple[Interval, Array]:
     """VᵀAV and θ: each eigenvalue of A is one of VᵀAV times 1 ± θ (Ostrowski), V nearly orthogonal."""
+    from orthospec import kernels
+
     known = np.asarray(np.isfinite(middle).all(axis=(-2, -1)))[..., None, None]
-    V = np.linalg.eigh(np.where(known, middle, 0.0))[1]
+    m = middle.shape[-1]
+    safe = np.where(known, middle, 0.0).reshape(-1, m, m)
+    V = kernels.symmetric_eigenvectors(safe)[1].reshape(middle.shape)
     Vt = np.swapaxes(V, -1, -2)
-    m = V.shape[-1]
     defect = _frobenius(Vt @ V - np.eye(m)) + m * m * FEW
     turned = matmul(matmul(Vt, A), V)
     return turned, 2 * defect[..., None]
