@@ -19,12 +19,18 @@ from orthospec.kernels import (
     chain_compliance,
     cube_ends,
     cube_sizes,
+    gram_eigenvalues,
     largest_cube,
+    positive_inverse,
+    positive_solve,
+    row_norms,
+    singular_values,
     symmetric_eigenvalues,
+    symmetric_eigenvectors,
 )
 
 EDGE = 201
-MATRICES = 200_000
+MATRICES = 32_768
 PLATFORMS = 32_768
 ROUNDS = 9
 
@@ -159,15 +165,62 @@ def compare_fields() -> None:
         compare(f"{name} a node, {EDGE}^3 nodes", rivals, field, squares.size)
 
 
+def compare_small_matrices(size: int) -> None:
+    """Each kernel beside NumPy's function, which takes matrices one at a time."""
+    halves = np.random.default_rng(1).standard_normal((MATRICES, size, size))
+    symmetric = halves + np.swapaxes(halves, 1, 2)
+    positive = halves @ np.swapaxes(halves, 1, 2) + np.eye(size)
+    pairs: list[tuple[str, Rivals, np.ndarray]] = [
+        (
+            "symmetric",
+            {"symmetric_eigenvalues": symmetric_eigenvalues, "numpy.linalg.eigvalsh": np.linalg.eigvalsh},
+            symmetric,
+        ),
+        (
+            "symmetric",
+            {"symmetric_eigenvectors": symmetric_eigenvectors, "numpy.linalg.eigh": np.linalg.eigh},
+            symmetric,
+        ),
+        (
+            "",
+            {
+                "gram_eigenvalues": gram_eigenvalues,
+                "singular_values": singular_values,
+                "numpy.linalg.svd": lambda matrices: np.linalg.svd(matrices, compute_uv=False),
+            },
+            halves,
+        ),
+        (
+            "positive definite",
+            {"positive_inverse": positive_inverse, "numpy.linalg.inv": np.linalg.inv},
+            positive,
+        ),
+        (
+            "positive definite",
+            {
+                "positive_solve, one right side": lambda matrices: positive_solve(matrices, halves[:, 0]),
+                "numpy.linalg.solve": lambda matrices: np.linalg.solve(matrices, halves[:, 0, :, None]),
+            },
+            positive,
+        ),
+        (
+            "",
+            {
+                "row_norms": row_norms,
+                "numpy.linalg.norm": lambda matrices: np.linalg.norm(matrices, axis=2),
+            },
+            halves,
+        ),
+    ]
+    for kind, rivals, matrices in pairs:
+        compare(" ".join(f"{MATRICES} {kind} {size} x {size}".split()), rivals, matrices, MATRICES)
+
+
 def main() -> None:
     compare_cubes()
     compare_fields()
-    matrices = np.random.default_rng(1).standard_normal((MATRICES, 3, 3))
-    spectra: Rivals = {
-        "symmetric_eigenvalues": symmetric_eigenvalues,
-        "numpy.linalg.eigvalsh": np.linalg.eigvalsh,
-    }
-    compare(f"{MATRICES} symmetric 3 x 3 matrices", spectra, matrices, MATRICES)
+    for size in (2, 3, 6):
+        compare_small_matrices(size)
     stiffnesses: Rivals = {
         "chain_compliance": lambda platforms: chain_compliance(*platforms),
         "numpy.linalg.solve and inv": numpy_compliance,

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from orthospec.kernels import symmetric_eigenvalues
 from orthospec.measures import Measure
 from orthospec.mechanics.inertia import at_tool
 
@@ -56,4 +57,4 @@ def _greatest(compliance: Array, inertia: Array) -> Array:
     """λ_max(C_tt G) (n,) [s²]."""
     factor = np.linalg.cholesky((inertia + np.swapaxes(inertia, 1, 2)) / 2)
     product = np.swapaxes(factor, 1, 2) @ compliance @ factor
-    return np.asarray(np.linalg.eigvalsh((product + np.swapaxes(product, 1, 2)) / 2)[:, -1])
+    return symmetric_eigenvalues(product)[:, -1]
