@@ -183,9 +183,9 @@ class _Search:
         excess = self._case.at(points)
         for k, row in enumerate(excess):
             known = np.where(np.isnan(row), -np.inf, row)
-            i = int(known.argmax())
-            claim, found = self._claims[k], float(known[i])
             # What is worse by rounding alone would be another pose or machine on another processor.
+            i = int((known >= known.max() - ROUNDING).argmax())
+            claim, found = self._claims[k], float(known[i])
             refuted = found > self._case.slack[k] + ROUNDING
             if refuted and (claim.verdict != "refuted" or found > claim.excess + ROUNDING):
                 _, (pose,) = self._family.at(points[i : i + 1])
