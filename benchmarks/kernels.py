@@ -5,13 +5,14 @@ python benchmarks/kernels.py
 
 from __future__ import annotations
 
-import statistics
-import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
+import edt
 import numba
 import numpy as np
+import timing
 from scipy.ndimage import distance_transform_cdt
 
 from orthospec.kernels import (
@@ -90,6 +91,27 @@ def recurrence(mask: np.ndarray) -> int:
     return best
 
 
+@numba.njit
+def recurrence_everywhere(mask: np.ndarray) -> np.ndarray:
+    """The same with all of Φ kept."""
+    ni, nj, nk = mask.shape
+    sizes = np.zeros((ni + 1, nj + 1, nk + 1), dtype=np.uint8)
+    for i in range(ni):
+        for j in range(nj):
+            for k in range(nk):
+                if mask[i, j, k]:
+                    sizes[i + 1, j + 1, k + 1] = 1 + min(
+                        sizes[i, j + 1, k + 1],
+                        sizes[i + 1, j, k + 1],
+                        sizes[i + 1, j + 1, k],
+                        sizes[i, j, k + 1],
+                        sizes[i, j + 1, k],
+                        sizes[i + 1, j, k],
+                        sizes[i, j, k],
+                    )
+    return sizes[1:, 1:, 1:]
+
+
 def size_and_places(nodes: Any) -> np.ndarray:
     """Where the largest cubes end."""
     return cube_ends(nodes, largest_cube(nodes))
@@ -101,24 +123,10 @@ def numpy_compliance(platforms: Platforms) -> np.ndarray:
     return np.linalg.inv((np.swapaxes(wrenches, 2, 3) @ flows).sum(axis=1))
 
 
-def median_times(rivals: Rivals, argument: Any) -> dict[str, float]:
-    """Median seconds of each; the rivals take turns, so that a busy spell meets all of them."""
-    taken: dict[str, list[float]] = {name: [] for name in rivals}
-    for _ in range(ROUNDS):
-        for name, rival in rivals.items():
-            start = time.perf_counter()
-            rival(argument)
-            taken[name].append(time.perf_counter() - start)
-    return {name: statistics.median(times) for name, times in taken.items()}
-
-
-def compare(title: str, rivals: Rivals, argument: Any, count: int) -> None:
-    """Print the first rival's time and the others beside it."""
-    times = median_times(rivals, argument)
-    ours = next(iter(times.values()))
-    print(f"\n{title:<42}{'ms':>9}{'ns each':>9}{'ratio':>8}")
-    for name, seconds in times.items():
-        print(f"  {name:<40}{seconds * 1e3:9.2f}{seconds / count * 1e9:9.2f}{seconds / ours:8.1f}")
+def compare(title: str, rivals: Rivals, argument: Any, count: int, read: int | None = None) -> None:
+    """Print a row for each, of which ``count`` says how many things it does."""
+    ready = {name: partial(rival, argument) for name, rival in rivals.items()}
+    timing.compare(title, ready, count, ROUNDS, read)
 
 
 def masks() -> dict[str, np.ndarray]:
@@ -141,14 +149,20 @@ def compare_cubes() -> None:
         "largest_cube and cube_ends": size_and_places,
         "the recurrence in numba": recurrence,
         "distance_transform_cdt (centred cubes)": chessboard,
-        "one read of the mask, numpy.max": np.max,
+        "edt (Euclidean distances)": edt.edt,
+        "numpy.max of the mask": np.max,
     }
-    sizes: Rivals = {"cube_sizes": cube_sizes, "the same in NumPy planes": numpy_cube_sizes}
+    sizes: Rivals = {
+        "cube_sizes": cube_sizes,
+        "the recurrence in numba": recurrence_everywhere,
+        "the same in NumPy planes": numpy_cube_sizes,
+    }
     for name, mask in masks().items():
         assert largest_cube(mask) == recurrence(mask) == cube_sizes(mask).max()
-        np.testing.assert_array_equal(cube_sizes(mask), numpy_cube_sizes(mask))
-        compare(f"{name}, {EDGE}^3 nodes", size, mask, mask.size)
-        compare("the sizes at all nodes", sizes, mask, mask.size)
+        for sizes_of in sizes.values():
+            np.testing.assert_array_equal(cube_sizes(mask), sizes_of(mask))
+        compare(f"{name}, {EDGE}^3 nodes", size, mask, mask.size, mask.nbytes)
+        compare(f"{name}, Φ at all nodes", sizes, mask, mask.size, mask.nbytes)
 
 
 def compare_fields() -> None:
@@ -159,10 +173,10 @@ def compare_fields() -> None:
     squares = (x**2 + y**2 + z**2).ravel()
     rivals: Rivals = {
         "largest_cube within bounds": lambda field: largest_cube(Within(field, shape, at_most=0.9)),
-        "one read of the field, numpy.max": np.max,
+        "numpy.max of the field": np.max,
     }
     for name, field in {"one value": squares, "two values": np.column_stack([squares, squares])}.items():
-        compare(f"{name} a node, {EDGE}^3 nodes", rivals, field, squares.size)
+        compare(f"{name} a node, {EDGE}^3 nodes", rivals, field, squares.size, field.nbytes)
 
 
 def compare_small_matrices(size: int) -> None:
