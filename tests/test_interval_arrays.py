@@ -163,11 +163,53 @@ def test_eigenvalues_against_fifty_digits(kind, width):
         values = sorted(mpmath.eigsy(exact, eigvals_only=True))
         for j, value in enumerate(values):
             assert mpmath.mpf(float(found.lo[i, j])) <= value <= mpmath.mpf(float(found.hi[i, j]))
+            assert lies_in_form(found.form, (i, j), value, boxes, u[i])
         if not np.isnan(ratio.lo[i]):
             assert mpmath.mpf(float(ratio.lo[i])) <= values[2] / values[0] <= mpmath.mpf(float(ratio.hi[i]))
+            assert lies_in_form(ratio.form, i, values[2] / values[0], boxes, u[i])
     if width <= 1e-6:
         weyl = width * np.linalg.norm(B, axis=(2, 3)).sum(axis=0)
         assert ((found.hi - found.lo) <= 2 * weyl[:, None] + 1e-12).all()
+
+
+def lies_in_form(form, where, value, boxes, pose):
+    """Whether a value is within what its form says at a pose of the boxes, all of which are alike."""
+    own = boxes.poses.form
+    near = mpmath.mpf(float(form.c[where]))
+    for k, x in enumerate(pose):
+        u = (mpmath.mpf(float(x)) - mpmath.mpf(float(own.c[0, k]))) / mpmath.mpf(float(own.g[0, k, k]))
+        near += u * mpmath.mpf(float(form.g[where][k]))
+    return abs(value - near) <= mpmath.mpf(float(form.r[where]))
+
+
+def test_simple_eigenvalues_move_as_their_forms_to_second_order():
+    rests = []
+    for width in (1e-2, 1e-3):
+        half = np.full((N, 3), width / 2)
+        over = symmetric_family("apart", Boxes(-half, half).poses, np.random.default_rng(3), N)[2]
+        parts = (
+            np.linalg.eigvalsh(over),
+            eigenvalues.eigenvalue_ratio(over),
+            np.linalg.svd(over, compute_uv=False),
+        )
+        rests.append([np.max(part.form.r) for part in parts])
+        assert all((part.form.g != 0).all() for part in parts)
+    assert (np.array(rests[1]) < np.array(rests[0]) / 80).all()
+
+
+def test_what_may_be_singular_is_up_to_infinity_but_no_less_than_elsewhere():
+    boxes = Boxes(np.array([[-0.1, 0.0, 0.0]]), np.array([[0.1, 0.0, 0.0]]))
+    matrix = (
+        np.eye(3)
+        * np.stack([boxes.poses[:, 0], 1 + boxes.poses[:, 1], 2 + boxes.poses[:, 2]], axis=1)[:, None]
+    )
+    condition = np.linalg.cond(matrix)
+    assert (condition.lo > 19.9, condition.hi) == (True, np.inf)
+    roots = eigenvalues.inverse_roots(np.linalg.eigvalsh(matrix @ matrix))
+    assert (roots.lo[0, 0] > 9.9, roots.hi[0, 0]) == (True, np.inf)
+    assert np.isfinite([roots.lo[0, 1:], roots.hi[0, 1:]]).all()
+    unknown = eigenvalues.inverse_roots(Interval(np.array([np.nan, -1.0]), np.array([np.nan, -0.5])))
+    assert np.isnan(unknown.lo).all()
 
 
 def test_extreme_eigenvalues_are_verified_to_rounding():

@@ -46,7 +46,8 @@ def symmetric_eigenvalues(x: Any) -> Interval:
         lo, hi = _raised(lo, first[..., None]), _lowered(hi, last[..., None])
     unknown: Flags = np.any(np.isnan(A.lo), axis=(-2, -1)) | np.any(np.isnan(diagonal.lo), axis=-1)
     unknown = unknown[..., None]
-    return Interval(np.where(unknown, np.nan, lo), np.where(unknown, np.nan, hi))
+    first_order = _moving_as(diagonal, turned, apart, theta) if A.coordinates else None
+    return Interval(np.where(unknown, np.nan, lo), np.where(unknown, np.nan, hi), first_order).narrowed()
 
 
 def eigenvalue_ratio(x: Any) -> Interval:
@@ -55,18 +56,35 @@ def eigenvalue_ratio(x: Any) -> Interval:
     {A : λ_max <= k λ_min} is convex, so that the ratio over a box is greatest at its corners.
     """
     A = _mirrored(as_interval(x))
-    spectrum = symmetric_eigenvalues(A)
-    lo, hi = ends.divide(
-        (spectrum.lo[..., -1], spectrum.hi[..., -1]), (spectrum.lo[..., 0], spectrum.hi[..., 0])
-    )
-    if A.coordinates and 2**A.coordinates <= CORNERS:
-        corners, rest = _corners(A.form_over(A.coordinates))
-        least, greatest = extreme_eigenvalues(corners)
-        least, greatest = ends.outward(least - rest, greatest + rest)
-        ratio = ends.outward(greatest / least, greatest / least)[1]
-        hi = _lowered(hi, np.where((least > 0).all(axis=0), ratio.max(axis=0), np.nan))
-    unknown = ~(spectrum.lo[..., 0] > 0)
-    return Interval(np.where(unknown, np.nan, np.maximum(lo, 1.0)), np.where(unknown, np.nan, hi))
+    return _ratio(A, symmetric_eigenvalues(A))
+
+
+def condition_number(x: Any) -> Interval:
+    """σ_max / σ_min (...) of square matrices (..., m, m): up to inf where they may be singular."""
+    M = as_interval(x)
+    gram = matmul(transposed(M), M)
+    squares = symmetric_eigenvalues(gram)
+    found: Any = np.sqrt(_ratio(gram, squares))
+    lowest: Any = np.sqrt(_just(np.maximum(squares.lo[..., -1], 0.0)) / _just(squares.hi[..., 0]))
+    return _up_to_infinity(found, np.maximum(lowest.lo, 1.0), squares[..., 0])
+
+
+def inverse_roots(squares: Interval) -> Interval:
+    """1/√λ of what is never negative: up to inf where λ may be 0."""
+    found: Any = 1.0 / np.sqrt(squares)
+    lowest: Any = 1.0 / np.sqrt(_just(squares.hi))
+    return _up_to_infinity(found, lowest.lo, squares)
+
+
+def _just(numbers: Array) -> Any:
+    return Interval(numbers, numbers.copy())
+
+
+def _up_to_infinity(found: Interval, lowest: Array, divisor: Interval) -> Interval:
+    """``found``, or what is at least ``lowest`` where a divisor that is never negative may be 0."""
+    vanishes = (divisor.lo <= 0) & (divisor.hi > 0)
+    lo, hi = np.where(vanishes, lowest, found.lo), np.where(vanishes, np.inf, found.hi)
+    return Interval(lo, hi, found.form).narrowed()
 
 
 def singular_values(x: Any) -> Interval:
@@ -83,7 +101,8 @@ def singular_values(x: Any) -> Interval:
     moved = _frobenius(form.spread)[..., None]
     lo, hi = ends.outward(middle.lo - moved, middle.hi + moved)
     lo, hi = _raised(found.lo, lo), _lowered(found.hi, hi)
-    return Interval(lo[..., ::-1], hi[..., ::-1])
+    ascending = Interval(lo, hi, found.form).narrowed()
+    return ascending[..., ::-1]
 
 
 def extreme_eigenvalues(matrices: Array) -> tuple[Array, Array]:
@@ -158,6 +177,24 @@ def _in_middle_axes(A: Interval, middle: Array) -> tuple[Interval, Array]:
     return turned, 2 * defect[..., None]
 
 
+def _moving_as(diagonal: Interval, turned: Interval, apart: Array, theta: Array) -> Linear:
+    """Forms of ascending eigenvalues: d_i, and the rest of row i squared over its gap (Kato and Temple).
+
+    The gap is what lies between d_i and all other eigenvalues; without one nothing is known of first order.
+    """
+    lo, hi = ends.outward(diagonal.lo - apart[..., None], diagonal.hi + apart[..., None])
+    gap = np.full(lo.shape, np.inf)
+    gap[..., :-1] = np.minimum.accumulate(lo[..., :0:-1], axis=-1)[..., ::-1] - diagonal.hi[..., :-1]
+    below = diagonal.lo[..., 1:] - np.maximum.accumulate(hi[..., :-1], axis=-1)
+    gap[..., 1:] = np.minimum(gap[..., 1:], below)
+    magnitude = np.maximum(np.abs(turned.lo), np.abs(turned.hi)) * (1 - np.eye(turned.shape[-1]))
+    squares = np.sum(magnitude * magnitude, axis=-1)
+    size = np.maximum(np.abs(lo), np.abs(hi))
+    form = diagonal.form_over(turned.coordinates)
+    rest = np.where(gap > 0, squares / gap + theta * size, np.nan)
+    return form._replace(r=(form.r + rest) * SPARE)
+
+
 def _size_off_diagonal(x: Interval) -> Array:
     magnitude = np.maximum(np.abs(x.lo), np.abs(x.hi))
     return _frobenius(magnitude * (1 - np.eye(x.shape[-1])))
@@ -165,6 +202,21 @@ def _size_off_diagonal(x: Interval) -> Array:
 
 def _frobenius(matrices: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("...ij,...ij->...", matrices, matrices)) * SPARE)
+
+
+def _ratio(A: Interval, spectrum: Interval) -> Interval:
+    """λ_max / λ_min of symmetric matrices of which the eigenvalues are known."""
+    found: Any = spectrum[..., -1] / spectrum[..., 0]
+    lo, hi = np.maximum(found.lo, 1.0), found.hi
+    if A.coordinates and 2**A.coordinates <= CORNERS:
+        corners, rest = _corners(A.form_over(A.coordinates))
+        least, greatest = extreme_eigenvalues(corners)
+        least, greatest = ends.outward(least - rest, greatest + rest)
+        ratio = ends.outward(greatest / least, greatest / least)[1]
+        hi = _lowered(hi, np.where((least > 0).all(axis=0), ratio.max(axis=0), np.nan))
+    unknown = ~(spectrum.lo[..., 0] > 0)
+    lo, hi = np.where(unknown, np.nan, lo), np.where(unknown, np.nan, hi)
+    return Interval(lo, hi, found.form).narrowed()
 
 
 def _mirrored(A: Interval) -> Interval:

@@ -42,13 +42,6 @@ def _stretch(manipulator: Manipulator, poses: Poses) -> Matrices:
     return logarithmic_stretch(manipulator.inverse_jacobian(poses))
 
 
-def _gram(manipulator: Manipulator, boxes: Boxes) -> Interval:
-    """J⁻ᵀJ⁻¹ over boxes (n, m, m)."""
-    inverse: Any = manipulator.inverse_jacobian(boxes.poses)  # type: ignore[arg-type]
-    gram: Interval = np.swapaxes(inverse, 1, 2) @ inverse
-    return gram
-
-
 class VelocityTransmission(Measure):
     """Velocity transmission factors: least and greatest singular value of J = ∂p/∂ρ.
 
@@ -72,9 +65,9 @@ class VelocityTransmission(Measure):
         """Of 1/sqrt(λ(J⁻ᵀJ⁻¹))."""
         from orthospec.intervals import eigenvalues
 
-        squares: Any = eigenvalues.symmetric_eigenvalues(_gram(manipulator, boxes))
-        factors: Interval = 1.0 / np.sqrt(squares[:, [-1, 0]])
-        return factors
+        inverse: Any = manipulator.inverse_jacobian(boxes.poses)  # type: ignore[arg-type]
+        squares = eigenvalues.symmetric_eigenvalues(np.swapaxes(inverse, 1, 2) @ inverse)
+        return eigenvalues.inverse_roots(squares[:, [-1, 0]])
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:
         """λ_max(H) <= ln b, or λ_min(H) >= ln b."""
@@ -99,12 +92,10 @@ class ConditionNumber(Measure):
             return np.asarray(sigma[:, -1] / sigma[:, 0])
 
     def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
-        """Of the square root of the ratio of the eigenvalues of J⁻ᵀJ⁻¹."""
+        """Of κ(J⁻¹), by the ratio of the eigenvalues of J⁻ᵀJ⁻¹."""
         from orthospec.intervals import eigenvalues
 
-        ratio: Any = eigenvalues.eigenvalue_ratio(_gram(manipulator, boxes))
-        root: Interval = np.sqrt(ratio)
-        return root
+        return eigenvalues.condition_number(manipulator.inverse_jacobian(boxes.poses))  # type: ignore[arg-type]
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_max(H) − λ_min(H) <= ln k."""
