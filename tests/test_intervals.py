@@ -140,6 +140,23 @@ def lies_in_form(form, i, value, u):
     return abs(value - near) <= exactly(form.r[i]) and max(map(abs, u)) <= 1
 
 
+def test_boxes_that_are_moved_keep_the_coordinates_of_those_that_they_were():
+    random = np.random.default_rng(11)
+    lo = random.uniform(-1, 1, (12, 2))
+    boxes = Boxes(lo, lo + 1e-9)
+    by = random.uniform(-1, 1, (12, 2))
+    there, here = boxes.moved(by), boxes.poses
+    for k in range(2):
+        apart = there.poses[:, k] - here[:, k]
+        assert np.max(apart.hi - apart.lo) < 1e-14  # Of intervals alone: 2e-9.
+        for i, pose in enumerate(boxes.hi):
+            exact = exactly(pose[k]) + exactly(by[i, k])
+            assert lies_in_form(there.poses[:, k].form, i, exact, coordinates(boxes, i, pose))
+            assert exactly(there.lo[i, k]) <= exact <= exactly(there.hi[i, k])
+    with pytest.raises(NoEnclosure):
+        there.poses[0] = 0.0
+
+
 def test_forms_converge_quadratically():
     def excess(width):
         boxes = Boxes(np.array([[0.3, 0.4]]), np.array([[0.3 + width, 0.4 + width]]))

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orthospec.intervals import Boxes, Interval
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Demand
 from orthospec.measures.dynamic import JointSpeed
 from orthospec.measures.kinematic import ConditionNumber, VelocityTransmission
+from orthospec.workspace import guarantee, placements
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.guarantee import bracket, proof_over
 from orthospec.workspace.machine import Machine
@@ -30,6 +32,38 @@ def test_no_cube_larger_by_a_millionth_fits_anywhere():
     proved, boxes = none_fits(machine(*FACTORS), SIZE * (1 + 1e-6), None, 50_000)
     assert proved
     assert boxes < 30_000
+
+
+def balanced(at_most):
+    """Bounds, and the cube that is largest with them: its low corner too slow, its high one too fast.
+
+    On the diagonal J⁻¹ has the eigenvalues 1 + 2t and twice 1 − t, where t = −x / sqrt(L² − 2x²).
+    """
+    slack = (1 - 1 / at_most) / 2
+    return {"at_least": 0.5, "at_most": at_most}, Cuboid(
+        (LOW,) * 3, (LEG * slack / np.sqrt(1 + 2 * slack**2),) * 3
+    )
+
+
+@pytest.mark.parametrize("at_most", [2.01, 2.2])
+def test_corners_that_hold_each_other_in_balance_are_weighed(at_most):
+    """Either corner alone leaves a thin disc of centres, of which boxes would be as many as 1 / part."""
+    bounds, cube = balanced(at_most)
+    for part in (1e-3, 1e-6):
+        proved, boxes = none_fits(machine(FACTORS[0], bounds), cube.size * (1 + part), None, 20_000, cube)
+        assert proved
+        assert boxes < 12_000
+
+
+@pytest.mark.parametrize("at_most", [2.0, 2.04])
+def test_no_centre_is_excluded_at_which_the_cube_fits(at_most):
+    bounds, cube = balanced(at_most)
+    random = np.random.default_rng(0)
+    for part in (1e-6, 1e-3, 0.1):
+        search = placements._Search(machine(FACTORS[0], bounds), cube.size * (1 - part), cube)
+        half = 0.1 * 10 ** random.uniform(-7, 0, (200, 1))
+        low = cube.centre - half * random.uniform(0, 2, (200, 3))
+        assert search.not_excluded(Boxes(low, low + 2 * half)).all()
 
 
 def test_where_a_cube_fits_nothing_is_proved():
@@ -55,6 +89,50 @@ def test_a_measure_that_tells_nothing_of_boxes_excludes_nothing(monkeypatch):
 
     monkeypatch.setattr(VelocityTransmission, "enclosure", broken)
     assert not none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000)[0]
+    assert none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000, CUBE) == (False, 1)
+
+
+@pytest.mark.parametrize(
+    "enclosure",
+    [
+        lambda _, boxes: Interval(np.full(len(boxes) + 1, 9.0), np.full(len(boxes) + 1, 9.0)),
+        lambda _, boxes: np.full(len(boxes), 9.0),
+        lambda *_: None,
+    ],
+)
+def test_an_enclosure_that_is_none_excludes_nothing(monkeypatch, enclosure):
+    monkeypatch.setattr(ConditionNumber, "enclosure", lambda *given: enclosure(*given[1:]))
+    one = machine(ConditionNumber(), {"at_most": 3.0})
+    assert none_fits(one, SIZE, None, 2_000, CUBE) == (False, 1)
+
+
+def test_a_form_over_other_coordinates_is_left_aside(monkeypatch):
+    """Its ends exclude as ever."""
+
+    def enclosure(*given):
+        boxes = given[-1]
+        flat = Interval(np.full(len(boxes), 9.0), np.full(len(boxes), 9.5))
+        return flat + 0 * Boxes(np.zeros((len(boxes), 5)), np.ones((len(boxes), 5))).poses[:, 4]
+
+    monkeypatch.setattr(ConditionNumber, "enclosure", enclosure)
+    assert not none_fits(machine(ConditionNumber(), {"at_most": 3.0}), SIZE, None, 2_000, CUBE)[0]
+
+
+def test_what_is_not_proved_costs_two_budgets_at_most(monkeypatch):
+    """From the finest part to the coarsest, and then finer while there is a proof."""
+    asked = []
+
+    def fits_nowhere(_, size, *__):
+        part = float(f"{size[0] / SIZE[0] - 1:.3g}")
+        asked.append(part)
+        return part >= least, 0
+
+    monkeypatch.setattr(guarantee, "none_fits", fits_nowhere)
+    for least, tried in ((0, [1e-6]), (1e-2, [1e-6, 1e-1, 1e-2, 1e-4]), (1, [1e-6, 1e-1])):
+        asked.clear()
+        most = bracket(machine(*FACTORS), SIZE, CUBE, 1.0, None, 1_000).most
+        assert asked == tried
+        assert most is None if least == 1 else most == pytest.approx(1 + tried[-2 if least else -1])
 
 
 def test_the_scale_is_enclosed_within_a_millionth():
@@ -98,6 +176,14 @@ def test_conditions_on_one_measure_count_their_boxes_once():
     both = proof_over(machine(*FACTORS), CUBE, 1e-3, 10_000)
     one = proof_over(machine(VelocityTransmission(), {"at_most": 2.0}), CUBE, 1e-3, 10_000)
     assert both.boxes < 1.5 * one.boxes
+
+
+def test_the_condition_number_is_known_up_to_singularities():
+    """Twice the same eigenvalue in the worst corners: κ = (1 − t) / (1 + 2t) and (1 + 2t) / (1 − t)."""
+    low, high = (LEG * t / np.sqrt(1 + 2 * t * t) for t in (-4 / 7, 4 / 11))
+    cube = Cuboid((low,) * 3, (high,) * 3)
+    ends = bracket(machine(ConditionNumber(), {"at_most": 5.0}), cube.size, cube, 1.0, None, 30_000)
+    assert 1 - 1.1e-6 < ends.least < 1 < ends.most < 1 + 1.1e-6
 
 
 @pytest.mark.parametrize("measure", [ConditionNumber(), JointSpeed(speed=1.0)])

@@ -472,6 +472,15 @@ class WrongMeasure:
             values = self.values(manipulator, boxes.centres)
             return Interval(values, values)
 
+    class Elsewhere(Height):
+        """An enclosure whose form is over larger boxes of its own."""
+
+        def enclosure(self, manipulator: Any, boxes: Any) -> Any:
+            from orthospec.intervals import Boxes
+
+            wider = Boxes(boxes.lo - 0.01, boxes.hi + 0.01)
+            return super().enclosure(manipulator, wider)
+
     class Choosy(Certain):
         """The same, but it refuses points."""
 
@@ -535,6 +544,7 @@ MEASURES_WITH_FAULTS = {
     "Below": "the value is below 'least'",
     "Metres": r"the value is no 'm' at \(.*\): with a unit of length 0.5 times as large it is .*, not",
     "Fast": r"the value is no 'm/s' at \(.*\): with a unit of time 0.5 times as large it is .*, not",
+    "Elsewhere": "the value leaves its enclosure",
     "Certain": "the value leaves its enclosure",
     "Choosy": "the value leaves its enclosure",
     "Outside": r"values raised ValueError: too far; at \(.*\), out of reach",

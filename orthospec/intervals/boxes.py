@@ -54,7 +54,18 @@ class Boxes:
         first.__dict__["poses"] = self.poses[:, :count]
         return first
 
-    def __getitem__(self, chosen: Flags | slice) -> Boxes:
+    def moved(self, by: Poses) -> Boxes:
+        """Each box moved by (n, d), whose poses remember how they depend on these boxes' coordinates.
+
+        Quantities at several places about one box can so be added up, each with what it depends on.
+        """
+        poses: Interval = self.poses + by
+        poses.make_read_only()
+        moved = Boxes(poses.lo, poses.hi)
+        moved.__dict__["poses"] = poses
+        return moved
+
+    def __getitem__(self, chosen: Flags | NDArray[np.intp] | slice) -> Boxes:
         """Some of the boxes."""
         return Boxes(self.lo[chosen], self.hi[chosen])
 

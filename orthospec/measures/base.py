@@ -71,7 +71,8 @@ class Measure(Described, ABC):
         """Bounds on the values at all poses of each box, shaped as `values`; None where nothing is known.
 
         Unless a measure has a better one, these are its own ``values``, computed with intervals for numbers.
-        Raises NoEnclosure where its code cannot be carried over intervals.
+        Raises NoEnclosure where its code cannot be carried over intervals. A mean-value form that they carry
+        is over the coordinates of ``boxes.poses``.
         """
         from orthospec.intervals import as_interval
 

@@ -23,6 +23,7 @@ from orthospec.testing.sampling import (
     block,
     boxes,
     retold,
+    told_at,
     tried_in,
     within,
 )
@@ -226,7 +227,8 @@ class MachineUnderTest:
             for k in range(INSIDE):
                 poses = within(several, k)
                 for name, margin in self.machine.reach(poses).items():
-                    wrong = (margin < enclosed[name].lo) | (margin > enclosed[name].hi)
+                    least, greatest = told_at(enclosed[name], several, poses)
+                    wrong = (margin < least) | (margin > greatest)
                     expect(
                         not wrong.any(),
                         self.machine,

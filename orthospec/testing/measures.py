@@ -26,6 +26,7 @@ from orthospec.testing.sampling import (
     boxes,
     read_only,
     retold,
+    told_at,
     tried_in,
     within,
 )
@@ -244,7 +245,8 @@ class _Measure:
                     f"enclosure has the shape {enclosed.lo.shape}",
                     f"that of values is {values.shape}",
                 )
-                outside = (values < enclosed.lo) | (values > enclosed.hi)
+                least, greatest = told_at(enclosed, several, poses)
+                outside = (values < least) | (values > greatest)
                 wrong = np.asarray(outside.reshape(len(poses), -1).any(axis=1))
                 expect(
                     not wrong.any(),

@@ -8,14 +8,14 @@ import numpy as np
 from pydantic import BaseModel
 
 from orthospec.errors import OrthospecError
-from orthospec.intervals import Boxes
+from orthospec.intervals import Boxes, Interval
 from orthospec.show.keys import keys_of
 from orthospec.testing.expectations import Nonconformity
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.grid import reach_box
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Poses
+    from orthospec.arrays import Array, Poses
     from orthospec.manipulators import Manipulator
     from orthospec.testing.views import Units
 
@@ -33,6 +33,8 @@ WELL_INSIDE = 1e-2
 """A margin from which on differences are taken: nearer to its end a field may change too fast for them."""
 LARGER = 2.0
 """By what a machine is made larger to see whether its lengths are lengths."""
+ROUNDING = 1e-12
+"""What a mean-value form may be off by at a pose, relative: both are computed in plain arithmetic here."""
 
 
 def tried_in(machine: Manipulator, region: tuple[Any, Any] | None) -> Cuboid:
@@ -106,3 +108,14 @@ def within(boxes: Boxes, seed: int) -> Poses:
     """A pose of each box."""
     parts = np.random.default_rng(seed).uniform(0, 1, boxes.lo.shape)
     return np.clip(boxes.lo + parts * (boxes.hi - boxes.lo), boxes.lo, boxes.hi)
+
+
+def told_at(enclosed: Interval, boxes: Boxes, poses: Poses) -> tuple[Array, Array]:
+    """What an enclosure says of one pose of each box: its ends, and what its mean-value form is there."""
+    own, form = boxes.poses.form, enclosed.form
+    if own is None or form is None or form.g.shape[-1] != poses.shape[1]:
+        return enclosed.lo, enclosed.hi
+    u = (poses - own.c) / np.einsum("nkk->nk", own.g)
+    near = form.c + np.einsum("n...k,nk->n...", form.g, u)
+    rest = form.r + ROUNDING * (np.abs(form.c) + np.abs(form.g).sum(axis=-1))
+    return np.fmax(enclosed.lo, near - rest), np.fmin(enclosed.hi, near + rest)

@@ -8,7 +8,7 @@ designed, whatever its tolerances.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -119,7 +119,7 @@ def bracket(
     def fits_nowhere(part: float) -> bool:
         return none_fits(machine, (1 + part) * scale * size, region, boxes, cuboid)[0]
 
-    below, above = (next((part for part in PARTS if proved(part)), None) for proved in (holds, fits_nowhere))
+    below, above = _least_part(holds), _least_part(fits_nowhere)
     # The corners of what was proved are rounded, and a scale is told to a little less than these allow.
     least = None if below is None else (1 - below) * scale * (1 - ROUNDING)
     most = None if above is None else (1 + above) * scale * (1 + ROUNDING)
@@ -127,3 +127,19 @@ def bracket(
         room = float(np.min(region.size / size)) * (1 + ROUNDING)
         most = room if most is None else min(most, room)
     return Bracket(least, most)
+
+
+def _least_part(proved: Callable[[float], bool]) -> float | None:
+    """The least part that is proved: the finest, or else the last one from the coarsest on.
+
+    Each attempt that fails may take all its boxes, so that there are two of these at most.
+    """
+    finest, *coarser = PARTS
+    if proved(finest):
+        return finest
+    found = None
+    for part in reversed(coarser):
+        if not proved(part):
+            break
+        found = part
+    return found

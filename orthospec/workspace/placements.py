@@ -1,27 +1,29 @@
 """Proof that no cuboid of some size fits anywhere, by branch and bound over boxes of placements.
 
 A box of centres is excluded where, for one place u of the cuboid, all poses centre + size∘u are out of reach
-or violate one bound: then each cuboid of the box, and each larger one with such a centre, has a pose at which
-something does not hold. Otherwise it is cut in two. Tried are the corners, the middles of edges and faces,
-the centre, and the critical points of a cuboid that is nearly too large: those first that are worst, in
-plain arithmetic, at the box's own middle.
+or violate one bound, or where several conditions at several places cannot all hold (`weighing`): then each
+cuboid of the box, and each larger one with such a centre, has a pose at which something does not hold.
+Otherwise it is cut in two. Tried are the corners, the middles of edges and faces, the centre, and the
+critical points of a cuboid that is nearly too large: those first that are worst, in plain arithmetic, at the
+box's own middle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from orthospec.intervals import Boxes
-from orthospec.measures import Demand
+from orthospec.intervals import Boxes, Interval
+from orthospec.intervals.linear import Linear
 from orthospec.measures.demand import bounded_side
 from orthospec.workspace.conditions import Sample, conditions_of
 from orthospec.workspace.critical import find_peaks
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
+from orthospec.workspace.weighing import cannot_all_hold
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,10 +32,12 @@ if TYPE_CHECKING:
 
 BATCH = 4096
 """Boxes of centres at a time."""
-TRIED = 4
-"""Places of the cuboid that are tried in each box."""
-WORTH = 1.0
-"""A place is tried where a condition fails by so many times what it changes by over the box."""
+AT_ONCE = 1024
+"""About as many looks at a time: one after the other at many boxes, of which most need no second one."""
+TRIED = 6
+"""Looks at each box: conditions, each at a place of the cuboid."""
+WORTH = 2.0
+"""A condition may fail somewhere in a box of half-width h where it has less room than 4 h of its spread."""
 ROOM, APART, MOST_CRITICAL = 0.05, 0.01, 24
 """A condition has little room below this; places nearer than this are one; critical points at most."""
 FAR = 1024.0
@@ -48,11 +52,16 @@ def none_fits(
 ) -> tuple[bool, int]:
     """Whether it is proved that no cuboid of this size fits, and the boxes of centres that it took.
 
-    ``largest`` is a cuboid of less size whose critical points are worth a try.
-    False where more than ``most`` boxes are needed, as where one does fit.
+    ``largest`` is a cuboid of less size whose critical points are worth a try. False where more than ``most``
+    boxes are needed, as where one does fit; at once where nothing excludes the largest one's centre alone.
     """
     search = _Search(machine, size, largest)
-    spent, waiting = 0, _centres(size, region, np.zeros(len(size)) if largest is None else largest.centre)
+    middle = np.zeros(len(size)) if largest is None else largest.centre
+    spent, waiting = 0, _centres(size, region, middle)
+    if largest is not None and len(waiting):
+        best = np.clip(middle, waiting.lo.min(axis=0), waiting.hi.max(axis=0))[None]
+        if search.not_excluded(Boxes(best, best)).any():
+            return False, 1
     while len(waiting):
         # The last are the smallest: where a cuboid does fit, the search comes to its end there first.
         waiting, boxes = waiting[:-BATCH], waiting[-BATCH:]
@@ -90,6 +99,15 @@ def _centres(size: Array, region: Cuboid | None, middle: Array) -> Boxes:
     return Boxes(low[None], high[None])
 
 
+class _Looks(NamedTuple):
+    """Which conditions are asked about where, of each box (n, k): those first that most surely fail."""
+
+    place: NDArray[np.intp]
+    condition: NDArray[np.intp]
+    worth: Flags
+    """Whether anything can come of it."""
+
+
 class _Search:
     """What is asked of each box of centres."""
 
@@ -117,25 +135,30 @@ class _Search:
         return np.asarray(found[apart][:MOST_CRITICAL])
 
     def not_excluded(self, boxes: Boxes) -> Flags:
-        """Which boxes are left."""
-        edges = (boxes.hi - boxes.lo) / self._size
-        left = np.ones(len(boxes), dtype=bool)
-        for place, condition, sure in self._most_sure(boxes.centres):
-            (mine,) = np.nonzero(left & (sure > WORTH * edges.max(axis=1)))
-            for case in np.unique(self._case_of[condition[mine]]):
-                these = mine[self._case_of[condition[mine]] == case]
-                at = self._size * self._places[place[these]]
-                left[these] = ~self._never_holds(int(case), boxes[these], at)
+        """Which boxes are left: of which no condition fails throughout, nor some of them by turns."""
+        looks, centres = self._looks(boxes), Boxes(self._padded(boxes.lo), self._padded(boxes.hi))
+        found = _unknown(looks.worth.shape, self._axes)
+        left, turn = np.ones(len(boxes), dtype=bool), np.arange(looks.worth.shape[1])
+        done = 0
+        while done < len(turn) and left.any():
+            more = done + max(1, AT_ONCE // int(left.sum()))
+            asked = looks.worth & left[:, None] & (turn >= done) & (turn < more)
+            for case in np.unique(self._case_of[looks.condition[asked]]):
+                box, look = np.nonzero(asked & (self._case_of[looks.condition] == case))
+                left[box[self._fails(int(case), centres, looks, box, look, found)]] = False
+            done = more
+        rest = np.flatnonzero(left)
+        left[rest] = ~cannot_all_hold(Linear(*(part[rest] for part in found)))
         return left
 
-    def _most_sure(self, centres: Array) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], Array]]:
-        """Places where something does not hold, most surely first: place, condition, how sure (n,) each.
+    def _looks(self, boxes: Boxes) -> _Looks:
+        """The worst conditions at the worst places of the cuboid, in plain arithmetic at each box's middle.
 
         That is far out of reach, or far beyond a bound and yet well within reach: near its edge, where values
         are greatest, a box tells nothing. It counts beside what the condition changes by over the cuboid.
         """
-        n = len(centres)
-        poses = (centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
+        n, each = len(boxes), np.arange(len(boxes))[:, None]
+        poses = (boxes.centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
         rows = Sample(self._machine, self._padded(poses)).rows(self._conditions, [], {})
         rows = rows.reshape(len(rows), n, -1)
         spread = _spread(rows)
@@ -143,44 +166,74 @@ class _Search:
         of_reach = self._case_of < 0
         beyond = rows[of_reach].max(axis=0)
         rows[~of_reach] = np.minimum(rows[~of_reach], -beyond)
-        sure, condition = rows.max(axis=0), rows.argmax(axis=0)
-        order = np.argsort(-sure, axis=1, kind="stable")[:, :TRIED]
-        each = np.arange(n)
-        for place in order.T:
-            decides = condition[each, place]
-            yield place, decides, sure[each, place] / spread[decides, each]
+        rows /= spread[:, :, None]
+        places = np.argsort(-rows.max(axis=0), axis=1, kind="stable")[:, :TRIED]
+        near = np.moveaxis(rows[:, each, places], 0, 2).reshape(n, -1)
+        order = np.argsort(-near, axis=1, kind="stable")[:, :TRIED]
+        sure = near[each, order]
+        edges = ((boxes.hi - boxes.lo) / self._size).max(axis=1, keepdims=True)
+        worth = (sure > -WORTH * edges) & (sure[:, :1] > 0)
+        return _Looks(places[each, order // len(rows)], order % len(rows), worth)
 
-    def _never_holds(self, case: int, boxes: Boxes, at: Array) -> Flags:
-        """Whether in each box, moved by ``at`` (n, d), the reach (−1) or a demand holds nowhere."""
-        low, high = np.nextafter(boxes.lo + at, -np.inf), np.nextafter(boxes.hi + at, np.inf)
-        moved = Boxes(self._padded(low), self._padded(high))
+    def _fails(
+        self,
+        case: int,
+        centres: Boxes,
+        looks: _Looks,
+        box: NDArray[np.intp],
+        look: NDArray[np.intp],
+        found: Linear,
+    ) -> Flags:
+        """Whether at looks of one case a condition fails throughout; ``found`` keeps the one asked about."""
+        condition, at = looks.condition[box, look], self._size * self._places[looks.place[box, look]]
+        fails = np.zeros(len(box), dtype=bool)
+        for number, excess in self._over(case, centres[box].moved(self._padded(at))).items():
+            fails |= excess.lo > 0
+            own = condition == number
+            c, g, r = excess[own].form_over(self._axes)
+            places = box[own], look[own]
+            found.c[places] = np.where(np.isnan(excess.lo[own]), np.nan, c)
+            found.g[places], found.r[places] = g, r
+        return fails
+
+    def _over(self, case: int, boxes: Boxes) -> Mapping[int, Interval]:
+        """Over boxes how far each condition of the reach (−1) or of a demand is exceeded, by its number."""
+        numbers = [int(number) for number in np.flatnonzero(self._case_of == case)]
         try:
-            return self._out_of_reach(moved) if case < 0 else self._violates(self._demands[case], moved)
+            over = self._reach(numbers, boxes) if case < 0 else self._bounds(case, numbers, boxes)
         except Exception:
             # What cannot be carried over boxes excludes nothing; a verdict tells why.
-            return np.zeros(len(boxes), dtype=bool)
+            return {}
+        return {k: excess for k, excess in over.items() if self._is_of(excess, boxes)}
 
-    def _out_of_reach(self, boxes: Boxes) -> Flags:
+    def _is_of(self, excess: object, boxes: Boxes) -> bool:
+        if not isinstance(excess, Interval) or excess.shape != (len(boxes),):
+            return False
+        return excess.coordinates in {0, self._axes}
+
+    def _reach(self, numbers: list[int], boxes: Boxes) -> Mapping[int, Interval]:
         margins = self._machine.manipulator.reach_enclosure(boxes)
-        keys = (condition.reach_key for condition in self._conditions if condition.kind == "joint")
-        return np.asarray(np.any([margins[key].hi < 0 for key in keys], axis=0))
+        return {k: -margins[self._conditions[k].reach_key] for k in numbers}
 
-    def _violates(self, demand: Demand, boxes: Boxes) -> Flags:
-        found = demand.measure.enclosure(self._machine.manipulator, boxes)
-        never = np.zeros(len(boxes), dtype=bool)
-        if found is not None:
-            for side, bound in demand.bounds.items():
-                if side == "at_most":
-                    never |= bounded_side(found.lo, side) > bound
-                else:
-                    never |= bounded_side(found.hi, side) < bound
-        return never
+    def _bounds(self, case: int, numbers: list[int], boxes: Boxes) -> Mapping[int, Interval]:
+        demand = self._demands[case]
+        found: dict[int, Any] = {}
+        values: Any = demand.measure.enclosure(self._machine.manipulator, boxes)
+        for k in numbers:
+            side = str(self._conditions[k].side)
+            over = bounded_side(values, side) - demand.bounds[side]
+            found[k] = over if side == "at_most" else -over
+        return found
 
     def _padded(self, poses: Array) -> Array:
         padded = np.zeros((len(poses), self._axes))
         padded[:, : poses.shape[1]] = poses
         padded.flags.writeable = False
         return padded
+
+
+def _unknown(shape: tuple[int, ...], d: int) -> Linear:
+    return Linear(np.full(shape, np.nan), np.zeros((*shape, d)), np.full(shape, np.nan))
 
 
 def _spread(rows: Array) -> Array:
