@@ -298,3 +298,28 @@ def test_a_measure_that_knows_one_machine_only_is_undecided():
     assert claim.verdict == "undecided"
     assert "float()" in claim.why
     assert prove(machine, CUBE, slack=1e-3)[-1].verdict == "proved"
+
+
+class Bowl(Measure):
+    """x² + y² and nothing that depends on z, though over a box waste (sin² + cos² − 1) seems to."""
+
+    unit: ClassVar[str] = "m^2"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    waste: float = 0.0
+
+    def values(self, manipulator, poses):  # noqa: ARG002
+        x, y, z = poses.T
+        return x * x + y * y + self.waste * (np.sin(20 * z) ** 2 + np.cos(20 * z) ** 2 - 1)
+
+
+def test_a_coordinate_that_changes_nothing_is_not_cut():
+    """Its bound holds with little to spare along a whole edge: thousands of boxes, were it cut as the others."""
+    low, high = np.array(CUBE.low), np.array(CUBE.high)
+    greatest = float(2 * np.maximum(low**2, high**2)[0])
+    bounds = {"at_most": greatest * (1 + 1e-7)}
+    idle, wasted = (
+        claims_of(orthoglide(), Bowl(waste=waste), bounds, slack=0.0, boxes=200_000)["it", "at_most"]
+        for waste in (0.0, 1e-3)
+    )
+    assert (idle.verdict, wasted.verdict) == ("proved", "proved")
+    assert idle.boxes < 300 < wasted.boxes

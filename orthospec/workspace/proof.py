@@ -18,6 +18,7 @@ import time
 import traceback
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -45,6 +46,10 @@ MATTERS = 0.01
 """A coordinate that changes a value by less than this part of what another one does matters little."""
 LONGER = 4.0
 """By so much an edge along such a coordinate may be longer."""
+TRIALS, SHORT, SAME = 6, 2.0**-6, 1e-10
+"""Boxes that are tried, their edges beside the cuboid's, and what changes their bounds by less is idle."""
+IDLE = 1024.0
+"""By so much an edge along an idle coordinate may be longer."""
 ALIKE = 0.9
 """Edges of this part of the longest one count as long."""
 FEW = 8
@@ -110,11 +115,7 @@ class _Search:
 
     def __init__(self, family: Family, case: Case, start: Boxes, most: int, stop: float | None) -> None:
         self._family, self._case, self._start, self._most, self._stop = family, case, start, most, stop
-        edges = (start.hi - start.lo)[0]
-        self._edges, self._finest = np.where(edges > 0, edges, 1.0), FINEST * edges
-        # Tolerances are short beside the cuboid, and so little of a box's excess comes from them.
-        axes = len(family.nominal.axes)
-        self._edges[axes:] = edges[:axes].max()
+        self._finest = FINEST * (start.hi - start.lo)[0]
         self._boxes = 0
         self._worst: dict[int, Array] = {}
         """Where each claim is refuted (d,)."""
@@ -143,6 +144,30 @@ class _Search:
         except Exception as error:
             return [replace(claim, boxes=self._boxes, why=_reason(error)) for claim in self._claims]
         return self._settled(proved, waiting)
+
+    @cached_property
+    def _edges(self) -> Array:
+        """What the edges of boxes are long beside (d,)."""
+        edges = (self._start.hi - self._start.lo)[0]
+        found = np.where(edges > 0, edges, 1.0)
+        # Tolerances are short beside the cuboid, and so little of a box's excess comes from them.
+        axes = len(self._family.nominal.axes)
+        found[axes:] = edges[:axes].max()
+        return np.where(self._is_idle(), IDLE * found, found)
+
+    def _is_idle(self) -> Flags:
+        """Along which coordinates long boxes have the same bounds as short ones (d,): no cut there helps."""
+        lo, edges = self._start.lo[0], (self._start.hi - self._start.lo)[0]
+        d = len(lo)
+        scattered = np.modf(np.sqrt(np.arange(1, TRIALS + 1)[:, None] * 2 + np.arange(d)))[0]
+        low = np.tile(lo + scattered * (1 - SHORT) * edges, (1 + d, 1, 1))
+        high = low + SHORT * edges
+        for k in range(d):
+            low[1 + k, :, k], high[1 + k, :, k] = lo[k], lo[k] + edges[k]
+        excess = self._case.over(Boxes(low.reshape(-1, d), high.reshape(-1, d))).reshape(-1, 1 + d, TRIALS)
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(excess[:, 1:] - excess[:, :1])
+        return np.asarray((apart <= SAME * np.maximum(np.abs(excess[:, :1]), 1.0)).all(axis=(0, 2)))
 
     def _may_go_on(self, more: int) -> bool:
         """Within the budget, and not out of reach: beyond it there is little to prove."""
