@@ -1,6 +1,6 @@
 """What a proof costs: boxes and seconds by slack, against the nodes that a grid of equal resolution has.
 
-python benchmarks/proofs.py [SPEC ...]        needs orthospec[bench]
+python benchmarks/proofs.py [SPEC ...] [--set KEY=VALUE ...]        needs orthospec[bench]
 
 Each spec is solved, and its prescribed cuboid proved at several slacks. A grid is as fine as a slack when no
 value changes by more than it over half a cell's diagonal: its step follows from the steepest slope of any
@@ -62,8 +62,8 @@ def steepest(machine: Machine, cuboid: Cuboid) -> float:
     return float(np.nanmax(np.linalg.norm(slopes, axis=0)))
 
 
-def tell(path: Path) -> None:
-    space = DesignSpace(load_spec(path))
+def tell(path: Path, sets: list[str]) -> None:
+    space = DesignSpace(load_spec(path, sets))
     best = hunt(space, Here()).best
     assert best is not None
     machine = space.machine(best.end.design)
@@ -86,8 +86,10 @@ def tell(path: Path) -> None:
 def main() -> None:
     asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     asked.add_argument("specs", nargs="*", type=Path, metavar="SPEC")
-    for path in asked.parse_args().specs or [SPECS / f"{name}.yaml" for name in NAMES]:
-        tell(path)
+    asked.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="sets")
+    given = asked.parse_args()
+    for path in given.specs or [SPECS / f"{name}.yaml" for name in NAMES]:
+        tell(path, given.sets)
 
 
 if __name__ == "__main__":

@@ -313,7 +313,7 @@ class Bowl(Measure):
 
 
 def test_a_coordinate_that_changes_nothing_is_not_cut():
-    """Its bound holds with little to spare along a whole edge: thousands of boxes, were it cut as the others."""
+    """Its bound holds with little to spare along a whole edge: thousands of boxes, were that cut too."""
     low, high = np.array(CUBE.low), np.array(CUBE.high)
     greatest = float(2 * np.maximum(low**2, high**2)[0])
     bounds = {"at_most": greatest * (1 + 1e-7)}

@@ -56,6 +56,8 @@ FEW = 8
 """So few boxes are cut across several coordinates at once."""
 FINEST = 2.0**-40
 """Boxes are cut down to this part of the cuboid's edge."""
+RISE = 1e-14
+"""A pose is worse by more than this, or on a plateau the worst one would be where rounding has it."""
 CLIMB = 40
 """Halvings of the step by which the worst pose near one that refutes is looked for."""
 
@@ -198,9 +200,10 @@ class _Search:
         steps = half[:, None, :] * np.concatenate([np.eye(d), -np.eye(d)])
         around = self._judged((centres[:, None, :] + steps).reshape(-1, d)).reshape(-1, n, 2, d)
         with np.errstate(invalid="ignore"):
-            changes = (around[:, :, 0] - around[:, :, 1])[worst, rows]
-        self._judged(np.where(np.nan_to_num(changes) >= 0, boxes.hi, boxes.lo))
-        return np.asarray(changes)
+            changes = around[:, :, 0] - around[:, :, 1]
+        for change in changes[is_open.any(axis=1)]:
+            self._judged(np.where(np.nan_to_num(change) >= 0, boxes.hi, boxes.lo))
+        return np.asarray(changes[worst, rows])
 
     def _judged(self, points: Array) -> Array:
         """The excess at points of the whole (k, n), and a claim refuted where one is too great."""
@@ -209,10 +212,10 @@ class _Search:
         for k, row in enumerate(excess):
             known = np.where(np.isnan(row), -np.inf, row)
             # What is worse by rounding alone would be another pose or machine on another processor.
-            i = int((known >= known.max() - ROUNDING).argmax())
+            i = int((known >= known.max() - RISE).argmax())
             claim, found = self._claims[k], float(known[i])
             refuted = found > self._case.slack[k] + ROUNDING
-            if refuted and (claim.verdict != "refuted" or found > claim.excess + ROUNDING):
+            if refuted and (claim.verdict != "refuted" or found > claim.excess + RISE):
                 _, (pose,) = self._family.at(points[i : i + 1])
                 at, numbers = tuple(map(float, pose)), self._family.named(points[i]) or None
                 self._worst[k] = points[i]
