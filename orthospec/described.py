@@ -10,7 +10,7 @@ import ast
 import inspect
 import sys
 from collections.abc import Iterator, Mapping
-from functools import cache
+from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -46,17 +46,19 @@ def description(made_of: type[BaseModel], name: str) -> str | None:
 
 
 def _docstrings(made_of: type) -> Mapping[str, str]:
-    return _docstrings_in(made_of.__module__).get(made_of.__qualname__, {})
-
-
-@cache
-def _docstrings_in(module: str) -> Mapping[str, Mapping[str, str]]:
-    """The docstrings below the names of each class of a module; none where its source is not at hand."""
+    """The docstrings below the names of a class; none where its source is not at hand."""
     try:
-        tree = ast.parse(inspect.getsource(sys.modules[module]))
+        return _docstrings_in(inspect.getsource(sys.modules[made_of.__module__])).get(
+            made_of.__qualname__, {}
+        )
     except (KeyError, OSError, TypeError, SyntaxError):
         return {}
-    return MappingProxyType(dict(_classes(tree, "")))
+
+
+@lru_cache
+def _docstrings_in(source: str) -> Mapping[str, Mapping[str, str]]:
+    """Those of each class of a module; by its source, for a module may be loaded anew."""
+    return MappingProxyType(dict(_classes(ast.parse(source), "")))
 
 
 def _classes(tree: ast.AST, prefix: str) -> Iterator[tuple[str, Mapping[str, str]]]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import pytest
@@ -83,6 +85,20 @@ def test_a_class_in_a_function_is_found() -> None:
 
     assert description(Local, "force") == "In there [N]."
     assert Local.model_json_schema()["properties"]["force"]["description"] == "In there [N]."
+
+
+def test_a_module_that_is_edited_and_loaded_anew_says_what_it_says_now(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    for text in ("Mass [kg].", "All of the mass [kg]."):
+        lines = ["from orthospec.described import Described", "class Platform(Described):", "    mass: float"]
+        source = "\n".join([*lines, f"    '{text}'\n"])
+        (tmp_path / "edited_machine.py").write_text(source, encoding="utf-8")
+        sys.modules.pop("edited_machine", None)
+        importlib.invalidate_caches()
+        assert description(importlib.import_module("edited_machine").Platform, "mass") == text
+    del sys.modules["edited_machine"]
 
 
 def test_without_a_source_nothing_is_said() -> None:
