@@ -29,8 +29,9 @@ TOLD = """
 import atexit, sys
 def tell():
     left_out = {*sys.stdlib_module_names, "orthospec"}
-    named = [name for name, module in sys.modules.items() if name[0] != "_" and module.__spec__ is not None]
-    sys.stderr.write("MODULES " + " ".join(n for n in named if n.split(".")[0] not in left_out) + chr(10))
+    named = [name for name in sys.modules if name.split(".")[0] not in left_out and name[0] != "_"]
+    found = [name for name in named if getattr(sys.modules[name], "__spec__", None)]
+    sys.stderr.write("MODULES " + " ".join(found) + chr(10))
 atexit.register(tell)
 """
 COMMAND = "from orthospec.cli import main; main()"

@@ -41,19 +41,18 @@ def compare(title: str, rivals: Rivals, each: int, rounds: int, read: int | None
     """
     seconds = taken(rivals, rounds)
     first = statistics.median(next(iter(seconds.values())))
-    print(f"\n{title:<52}{'ms':>10}{'quartiles':>20}{'ns each':>9}{'ratio':>8}")
+    print(f"\n{title:<52}{'ms':>10}{'quartiles':>20}{'ns each' if each > 1 else '':>9}{'ratio':>8}")
     for name, times in seconds.items():
         low, middle, high = quartiles(times)
-        between = f"{1e3 * low:.4g} ... {1e3 * high:.4g}"
-        each_ns = 1e9 * middle / each
-        print(f"  {name:<50}{1e3 * middle:10.3f}{between:>20}{each_ns:9.2f}{middle / first:8.2f}")
+        _print_row(name, middle, f"{1e3 * low:.4g} ... {1e3 * high:.4g}", each, middle / first)
     if read is not None:
         floor = read / bandwidth()
-        name = f"memory read once, {read / 2**20:.0f} MiB"
-        print(
-            f"  {name:<50}{1e3 * floor:10.3f}{'':>20}{1e9 * floor / each:9.2f}{floor / first:8.2f}",
-            flush=True,
-        )
+        _print_row(f"memory read once, {read / 2**20:.0f} MiB", floor, "", each, floor / first)
+
+
+def _print_row(name: str, seconds: float, between: str, each: int, ratio: float) -> None:
+    nanoseconds = f"{1e9 * seconds / each:.2f}" if each > 1 else ""
+    print(f"  {name:<50}{1e3 * seconds:10.3f}{between:>20}{nanoseconds:>9}{ratio:8.2f}", flush=True)
 
 
 def bandwidth() -> float:
