@@ -32,10 +32,15 @@ class Described(BaseModel):
         """The model's, with its fields described."""
         found = handler(schema)
         properties = handler.resolve_ref_schema(found)["properties"]
-        for name, field in cls.model_fields.items():
-            if (text := description(cls, name)) and (field.alias or name) in properties:
-                properties[field.alias or name]["description"] = text
+        for key, name in names_by_key(cls).items():
+            if (text := description(cls, name)) and key in properties:
+                properties[key]["description"] = text
         return found
+
+
+def names_by_key(made_of: type[BaseModel]) -> dict[str, str]:
+    """The fields of a model by the keys that stand for them in a file."""
+    return {field.alias or name: name for name, field in made_of.model_fields.items()}
 
 
 def description(made_of: type[BaseModel], name: str) -> str | None:
@@ -48,9 +53,8 @@ def description(made_of: type[BaseModel], name: str) -> str | None:
 def _docstrings(made_of: type) -> Mapping[str, str]:
     """The docstrings below the names of a class; none where its source is not at hand."""
     try:
-        return _docstrings_in(inspect.getsource(sys.modules[made_of.__module__])).get(
-            made_of.__qualname__, {}
-        )
+        source = inspect.getsource(sys.modules[made_of.__module__])
+        return _docstrings_in(source).get(made_of.__qualname__, {})
     except (KeyError, OSError, TypeError, SyntaxError):
         return {}
 

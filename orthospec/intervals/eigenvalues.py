@@ -35,7 +35,7 @@ def symmetric_eigenvalues(x: Any) -> Interval:
     form = A.form_over(A.coordinates)
     turned, theta = _in_middle_axes(A, form.c)
     diagonal = rearranging.diagonal(turned, 0, -2, -1)
-    apart = _size_off_diagonal(turned)
+    apart = _frobenius(_off_diagonal(turned))
     lo, hi = np.sort(diagonal.lo, axis=-1), np.sort(diagonal.hi, axis=-1)
     most, least = lo[..., -1], hi[..., 0]
     lo, hi = ends.outward(lo - apart[..., None], hi + apart[..., None])
@@ -187,7 +187,7 @@ def _moving_as(diagonal: Interval, turned: Interval, apart: Array, theta: Array)
     gap[..., :-1] = np.minimum.accumulate(lo[..., :0:-1], axis=-1)[..., ::-1] - diagonal.hi[..., :-1]
     below = diagonal.lo[..., 1:] - np.maximum.accumulate(hi[..., :-1], axis=-1)
     gap[..., 1:] = np.minimum(gap[..., 1:], below)
-    magnitude = np.maximum(np.abs(turned.lo), np.abs(turned.hi)) * (1 - np.eye(turned.shape[-1]))
+    magnitude = _off_diagonal(turned)
     squares = np.sum(magnitude * magnitude, axis=-1)
     size = np.maximum(np.abs(lo), np.abs(hi))
     form = diagonal.form_over(turned.coordinates)
@@ -195,9 +195,9 @@ def _moving_as(diagonal: Interval, turned: Interval, apart: Array, theta: Array)
     return form._replace(r=(form.r + rest) * SPARE)
 
 
-def _size_off_diagonal(x: Interval) -> Array:
-    magnitude = np.maximum(np.abs(x.lo), np.abs(x.hi))
-    return _frobenius(magnitude * (1 - np.eye(x.shape[-1])))
+def _off_diagonal(x: Interval) -> Array:
+    """The greatest magnitudes of the entries, 0 on the diagonal."""
+    return np.asarray(np.maximum(np.abs(x.lo), np.abs(x.hi)) * (1 - np.eye(x.shape[-1])))
 
 
 def _frobenius(matrices: Array) -> Array:

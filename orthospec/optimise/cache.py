@@ -14,10 +14,10 @@ import os
 import re
 import secrets
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from orthospec.errors import UsageError
 from orthospec.optimise.plain import decode, encode
@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from orthospec.optimise.tasks import Given, Made, Task
     from orthospec.optimise.workers import Workers
     from orthospec.workspace.field import Progress
+
+Plain = TypeVar("Plain")
+
+_BOUNDS = frozenset({"at_least", "at_most", "levels"})
 
 MOST_BYTES = 1 << 30
 """Of all files; those unused for longest go first."""
@@ -77,6 +81,18 @@ class Cache:
         text = json.dumps(content, ensure_ascii=False)
         with suppress(OSError), self.replacing(self.path(key)) as fresh:
             fresh.write_text(f"{sha256_of(text)}\n{text}", encoding="utf-8")
+
+    def kept(self, key: str, kind: type[Plain], make: Callable[[], Plain]) -> Plain:
+        """What is kept under a name, if it is sound and of a class; else what is made, which is kept then."""
+        try:
+            known = decode(self.read(key), [kind])
+        except ValueError:
+            known = None
+        if isinstance(known, kind):
+            return known
+        made = make()
+        self.write(key, encode(made))
+        return made
 
     @contextmanager
     def replacing(self, path: Path) -> Iterator[Path]:
@@ -167,6 +183,11 @@ def kept_of(folder: Path | None, task: Task[Given, Made], space: DesignSpace, it
     """How many of the items' results seem to be kept in a folder, or the user's; nothing is made or read."""
     where = user_cache() if folder is None else folder
     return sum((where / key[:2] / f"{key}.json").exists() for key in _keys(task, space, items))
+
+
+def own_keys(measure: Mapping[str, Any]) -> dict[str, Any]:
+    """A measure's keys that decide its values and its forms: not its bounds."""
+    return {key: value for key, value in measure.items() if key not in _BOUNDS}
 
 
 def sha256_of(text: str) -> str:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orthospec.optimise.cache import Cache, sha256_of
-from orthospec.optimise.plain import decode, encode
+from orthospec.optimise.cache import Cache, own_keys, sha256_of
+from orthospec.optimise.plain import encode
 from orthospec.optimise.versions import fingerprint
 from orthospec.workspace.field import Block
 from orthospec.workspace.grid import Grid, make_grid
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
     from orthospec.optimise.space import DesignSpace
 
-_BOUNDS = frozenset({"at_least", "at_most", "levels"})
 _HEAD = 64
 """Bytes before the values, which stand where a processor likes to read them."""
 
@@ -45,15 +44,9 @@ class KeptFields:
         """The design's grid: looking for the end of its reach takes longer than to read a field."""
         setting = self._setting
         key = self._key("grid", encode(setting.size), setting.divisions, encode(setting.region))
-        try:
-            known = decode(self._cache.read(key), [Grid])
-        except ValueError:
-            known = None
-        if isinstance(known, Grid):
-            return known
-        grid = make_grid(manipulator, setting.size, setting.divisions, setting.region)
-        self._cache.write(key, encode(grid))
-        return grid
+        return self._cache.kept(
+            key, Grid, lambda: make_grid(manipulator, setting.size, setting.divisions, setting.region)
+        )
 
     def read(self, measure: str, grid: Grid, start: int, stop: int) -> Block | None:
         """The measure at the nodes start ... stop − 1; None where none, or none sound, are kept."""
@@ -83,7 +76,7 @@ class KeptFields:
                 fresh.write_bytes(f"{zlib.crc32(rest):08x}".encode() + rest)
 
     def _path(self, measure: str, grid: Grid, start: int, stop: int) -> Path:
-        own = {key: value for key, value in self._measures[measure].items() if key not in _BOUNDS}
+        own = own_keys(self._measures[measure])
         return self._cache.path(self._key(own, encode(grid), start, stop), "field")
 
     def _key(self, *parts: Any) -> str:

@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from orthospec import registry
 from orthospec.arrays import np
+from orthospec.described import names_by_key
 from orthospec.errors import Mistake, PluginFault, SpecError, UsageError
 from orthospec.spec.blueprint import Blueprint, Refused
 from orthospec.spec.document import Document
@@ -175,7 +176,7 @@ def _added(
 ) -> dict[str, Any]:
     """The solved keys and those given beside them; a mistake for each that the solved machine has decided."""
     merged = dict(content)
-    names = {field.alias or name: name for name, field in type(solved).model_fields.items()}
+    names = names_by_key(type(solved))
     for key, value in given.items():
         name, inner = names.get(key), content.get(key)
         here = None if name is None else getattr(solved, name)

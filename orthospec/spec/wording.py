@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from orthospec.described import description
+from orthospec.described import description, names_by_key
 from orthospec.quantities.fields import resolve, shown
 from orthospec.spec.document import Path
 
@@ -107,7 +107,7 @@ def _missing(path: Path, data: Any, model: type[BaseModel]) -> Problem:
         return _too_few(path, data, model)
     name = str(path[-1])
     owner = _model(model, path[:-1])
-    names = {field.alias or key: key for key, field in owner.model_fields.items()} if owner else {}
+    names = names_by_key(owner) if owner else {}
     told = description(owner, names[name]) if owner and name in names else None
     about = f": {told.splitlines()[0].rstrip('.')}" if told else ""
     return Problem(path[:-1], f"'{name}' is missing{about}", at_key=True, kind="missing")
@@ -158,7 +158,7 @@ _SAYINGS: dict[str, Callable[[Mapping[str, Any]], str]] = {
 def known_keys(model: type[BaseModel], path: Path) -> list[str]:
     """The keys that a model knows at a path."""
     here = _model(model, path)
-    return [field.alias or name for name, field in here.model_fields.items()] if here else []
+    return list(names_by_key(here)) if here else []
 
 
 def _model(model: type[BaseModel], path: Path) -> type[BaseModel] | None:
@@ -175,9 +175,9 @@ def _field(model: type[BaseModel], path: Path) -> Any:
     for step in path:
         if isinstance(step, int) or here is None:
             continue
-        fields = {field.alias or name: field for name, field in here.model_fields.items()}
-        if step in fields:
-            field = fields[step]
+        names = names_by_key(here)
+        if step in names:
+            field = here.model_fields[names[step]]
             here = _inner_model(field.annotation)
         elif field is None:
             return None
