@@ -28,8 +28,10 @@ problems = load("problems")
 PROBLEMS = problems.problems()
 
 
-MANY = 50
-"""Subproblems; the hardest problem takes 39 or 41, as the processor rounds."""
+MANY = 40
+"""Subproblems."""
+HARDEST = {"legs and drives": 45}
+"""This one takes 39 or 41, as the processor rounds."""
 
 
 def test_there_are_enough_of_each_kind():
@@ -45,7 +47,7 @@ def test_the_known_optimum_is_found(name):
     one_start = ("optimise.starts=1",) if isinstance(problem, problems.SpecProblem) else ()
     found = problem.solve(*one_start)
     assert found.error < problems.ACCURACY
-    assert found.subproblems <= MANY
+    assert found.subproblems <= HARDEST.get(name, MANY)
 
 
 def test_many_variables_are_no_other_matter():
