@@ -17,6 +17,7 @@ from orthospec.kernels import (
     gram_eigenvalues,
     largest_cube,
     leg_margins,
+    legs_compliance,
     positive_inverse,
     positive_solve,
     row_norms,
@@ -51,6 +52,8 @@ DEFINITE = [np.swapaxes(each[:300], 1, 2) @ each[:300] for each in OTHERS]
 POSES = RANDOM.uniform(-1.5, 1.5, (1001, 3))
 GEOMETRY = np.hstack([np.eye(3), RANDOM.uniform(-0.1, 0.1, (3, 3)), [[1.0, 1], [1.2, -1], [0.9, 1]]])
 SCALES = RANDOM.uniform(0.5, 1.0, (3, 7))
+ELASTIC = RANDOM.uniform(0.5, 1.0, (3, 21)) + 2.0 * np.isin(np.arange(21), [11, 14, 16, 17, 19])
+FEET = np.full((3, 6, 6), 0.1) + np.eye(6)
 
 
 def compliances() -> tuple[np.ndarray, np.ndarray]:
@@ -76,6 +79,12 @@ KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
     "positive_solve": lambda: [one for each in DEFINITE + OTHERS for one in positive_solve(each, each)],
     "row_norms": lambda: [row_norms(view) for each in OTHERS for view in (each, np.swapaxes(each, 1, 2))],
     "chain_compliance": lambda: chain_compliance(*compliances()),
+    "legs_compliance": lambda: [
+        one
+        for legs in (ELASTIC, np.where(np.arange(21) == 20, 0.0, ELASTIC))
+        for feet in (FEET, np.zeros((3, 6, 6)))
+        for one in legs_compliance(legs, feet, close_legs(GEOMETRY, POSES)[1])
+    ],
     "close_legs": lambda: close_legs(GEOMETRY, POSES),
     "leg_margins": lambda: [leg_margins(SCALES, *close_legs(GEOMETRY, POSES)[1::2])],
 }

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from orthospec.kernels import _kernels
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.mechanics import prismatic, prismatic_elastic
@@ -218,6 +219,61 @@ def test_rigid_chains_are_what_the_general_method_makes_of_them(kind):
     found = machine.compliance(poses)
     np.testing.assert_allclose(found, general, rtol=1e-9, atol=1e-12 * np.abs(found).max())
     assert np.isnan(machine.compliance(np.array([[0.4, 0.4, 0.0]]))).all()
+
+
+@pytest.mark.parametrize("feet", [None, FOOT])
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("legs", [LEGS, {"section": "rigid"}])
+def test_kernel_puts_the_chains_together_as_the_formulas_do(kind, feet, legs):
+    options = {"legs": legs, "feet": feet, "lengths": (0.31, 0.34, 0.29)}
+    for branch in ((1, 1, 1), (1, -1, 1)):
+        machine = orthoglide(kind, offset=0.03, branch=branch, **options)
+        poses = np.concatenate([random_poses(333, 9), [[0.4, 0.4, 0.0]]])
+        geometry, springs, closed = machine.geometry, machine.springs, machine.closed_legs(poses)
+        expected = prismatic_elastic._by_chains(geometry, springs, closed.s)
+        sizes = np.linalg.norm(expected, axis=(1, 2))[:, None, None]
+        found = machine.compliance(poses)
+        np.testing.assert_allclose(found / sizes, expected / sizes, rtol=0.0, atol=1e-10)
+        assert np.isnan(found[-1]).all()
+        assert np.isfinite(found[:-1]).all()
+
+
+def test_kernel_leaves_what_is_not_safe_to_the_general_method():
+    """One slide's leg at right angles to its revolute axis is safe, along it no moment is left to turn it."""
+    machine = orthoglide("PUU")
+    along = machine.geometry.revolutes[0] * L
+    legs = machine.closed_legs(np.zeros((3, 3)))
+    legs.s[0, :, 1] = along
+    found = prismatic_elastic.compliance(machine.geometry, machine.springs, legs)
+    assert np.isfinite(found[[0, 2]]).all()
+    np.testing.assert_array_equal(found[0], found[2])
+    assert not np.isfinite(found[1]).any()
+
+
+LEGS_OF_ZEROS = (
+    np.zeros((3, 21)),
+    np.zeros((3, 6, 6)),
+    np.zeros((3, 3, 5)),
+    np.zeros((5, 6, 6)),
+    np.zeros(5, "?"),
+)
+
+
+@pytest.mark.parametrize(
+    ("position", "shape", "message"),
+    [
+        (0, (3, 20), "legs has another shape than \\(3, 21\\)"),
+        (1, (3, 6, 5), "feet has another shape"),
+        (2, (3, 2, 5), "s has another shape"),
+        (3, (4, 6, 6), "out has another shape"),
+        (4, (4,), "safe has another shape"),
+    ],
+)
+def test_kernel_refuses_arguments_of_another_shape(position, shape, message):
+    arguments = list(LEGS_OF_ZEROS)
+    arguments[position] = np.zeros(shape, arguments[position].dtype)
+    with pytest.raises(ValueError, match=message):
+        _kernels.legs_compliance(*arguments)
 
 
 @pytest.mark.parametrize("kind", KINDS)

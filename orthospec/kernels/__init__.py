@@ -31,6 +31,7 @@ __all__ = [
     "instruction_set",
     "largest_cube",
     "leg_margins",
+    "legs_compliance",
     "positive_inverse",
     "positive_solve",
     "row_norms",
@@ -231,4 +232,17 @@ def chain_compliance(compliances: Array, wrenches: Array) -> tuple[Matrices, Fla
     wrenches = np.ascontiguousarray(wrenches, dtype=np.float64)
     out, safe = np.empty((len(compliances), 6, 6)), np.empty(len(compliances), dtype=np.bool_)
     _kernels.chain_compliance(compliances, wrenches, out, safe)
+    return out, safe
+
+
+def legs_compliance(legs: Array, feet: Array, s: Array) -> tuple[Matrices, Flags]:
+    """C (n, 6, 6) of a platform on three elastic legs on slides, and where it is safe (n,), as above.
+
+    ``legs`` (3, 21) has for each leg the first revolute axis a, the arm c, the slide's axis e, the length,
+    the drive's compliance, the entries 00, 03, 04, 33, 34 and 44 of its bar's compliance, h_xx, h_xz and h_zz
+    of `orthospec.mechanics.parallelogram`, and half the spacing of its bars, 0 for one bar. ``feet``
+    (3, 6, 6) are the feet's compliances along the axes of space, and ``s`` (3, 3, n) leads along the legs.
+    """
+    out, safe = np.empty((s.shape[2], 6, 6)), np.empty(s.shape[2], dtype=np.bool_)
+    _kernels.legs_compliance(legs, feet, s, out, safe)
     return out, safe

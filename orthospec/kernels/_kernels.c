@@ -269,7 +269,7 @@ static PyObject *row_norms(PyObject *Py_UNUSED(module), PyObject *arguments)
 static const char *wrong_written(const Py_buffer views[], int count)
 {
     const Py_buffer *const out = &views[count - 2], *const safe = &views[count - 1];
-    if (safe->shape[0] != views[0].shape[0])
+    if (safe->shape[0] != out->shape[0])
         return "safe has another shape than (n,)";
     for (int other = 0; other < count - 2; other++)
         if (overlap(out, &views[other]))
@@ -371,6 +371,41 @@ static PyObject *compliance(PyObject *Py_UNUSED(module), PyObject *arguments)
         Py_END_ALLOW_THREADS
     }
     return release_all(views, 4, problem);
+}
+
+static const char *wrong_elastic_legs(const Py_buffer views[5])
+{
+    const Py_ssize_t *const legs = views[0].shape, *const feet = views[1].shape, *const s = views[2].shape;
+    const Py_ssize_t *const out = views[3].shape;
+    if (legs[0] != 3 || legs[1] != ELASTIC_NUMBERS)
+        return "legs has another shape than (3, 21)";
+    if (feet[0] != 3 || feet[1] != 6 || feet[2] != 6)
+        return "feet has another shape than (3, 6, 6)";
+    if (s[0] != 3 || s[1] != 3)
+        return "s has another shape than (3, 3, n)";
+    if (out[0] != s[2] || out[1] != 6 || out[2] != 6)
+        return "out has another shape than (n, 6, 6)";
+    return wrong_written(views, 5);
+}
+
+static PyObject *legs_compliance(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    static const Argument wanted[5] = {{"legs", "d", "float64", 2, READ},
+                                       {"feet", "d", "float64", 3, READ},
+                                       {"s", "d", "float64", 3, READ},
+                                       {"out", "d", "float64", 3, WRITTEN},
+                                       {"safe", "B?", "uint8 or bool", 1, WRITTEN}};
+    Py_buffer views[5];
+    if (take_all(arguments, "OOOOO:legs_compliance", wanted, views, 5) < 0)
+        return NULL;
+    const char *const problem = wrong_elastic_legs(views);
+    if (problem == NULL) {
+        const ElasticLegs legs = {views[0].buf, views[1].buf, views[2].buf, (size_t)views[2].shape[2]};
+        Py_BEGIN_ALLOW_THREADS
+        in_use->legs_compliance(&legs, views[3].buf, views[4].buf);
+        Py_END_ALLOW_THREADS
+    }
+    return release_all(views, 5, problem);
 }
 
 static const char *wrong_legs(const Py_buffer views[6])
@@ -498,6 +533,8 @@ static PyMethodDef methods[] = {
     {"row_norms", row_norms, METH_VARARGS, "row_norms(matrices, out)\n--\n\nThe length of each row."},
     {"chain_compliance", compliance, METH_VARARGS,
      "chain_compliance(compliances, wrenches, out, safe)\n--\n\nCompliance of a platform on chains side by side."},
+    {"legs_compliance", legs_compliance, METH_VARARGS,
+     "legs_compliance(legs, feet, s, out, safe)\n--\n\nCompliance of a platform on three legs on slides."},
     {"close_legs", close_legs, METH_VARARGS,
      "close_legs(geometry, poses, rho, s, along, closing)\n--\n\nThe loops of three legs on slides."},
     {"leg_margins", leg_margins, METH_VARARGS,

@@ -53,3 +53,11 @@ def chain_compliance(
     safe: NDArray[np.uint8 | np.bool_],
     /,
 ) -> None: ...
+def legs_compliance(
+    legs: NDArray[np.float64],
+    feet: NDArray[np.float64],
+    s: NDArray[np.float64],
+    out: NDArray[np.float64],
+    safe: NDArray[np.uint8 | np.bool_],
+    /,
+) -> None: ...

@@ -65,6 +65,15 @@ typedef struct {
     size_t count;
 } LegRoom;
 
+/* Three elastic legs on slides over `count` poses. */
+enum { ELASTIC_NUMBERS = 21 };
+typedef struct {
+    const double *numbers; /* 3 x ELASTIC_NUMBERS: as elastic_legs.inc names them */
+    const double *feet;    /* 3 x 6 x 6: a foot's compliance along the axes of space, 0 where it is rigid */
+    const double *s;       /* 3 x 3 x count */
+    size_t count;
+} ElasticLegs;
+
 /* Nodes are set where at_least <= low and high <= at_most. */
 typedef struct {
     const double *low, *high; /* in the layout of `strides`, in doubles */
@@ -124,6 +133,8 @@ typedef struct {
     void (*row_norms)(const Matrices *matrices, double *norms);
     /* Compliance of each node's platform (count x 6 x 6); a node that is not safe to compute so is NaN. */
     void (*chain_compliance)(const Chains *chains, double *out, uint8_t *safe);
+    /* That of a platform on three legs on slides. */
+    void (*legs_compliance)(const ElasticLegs *legs, double *out, uint8_t *safe);
     /* The loops of the legs closed. */
     void (*close_legs)(const Slides *slides, const ClosedLegs *legs);
     /* The margins of the three legs, of the volume and of the pairs (5 x count). */

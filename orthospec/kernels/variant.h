@@ -3,6 +3,7 @@
 #include "lanes.inc"
 #include "factors.inc"
 #include "chains.inc"
+#include "elastic_legs.inc"
 #include "positive.inc"
 #include "eigenvalues.inc"
 #include "tridiagonal.inc"
@@ -25,6 +26,7 @@ const Kernels VARIANT = {
     .positive_solve = positive_solve,
     .row_norms = row_norms,
     .chain_compliance = chain_compliance,
+    .legs_compliance = legs_compliance,
     .close_legs = close_legs,
     .leg_margins = leg_margins,
 };

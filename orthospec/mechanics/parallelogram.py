@@ -40,9 +40,7 @@ def parallelogram_compliance(bar: Array, *, spacing: float, cos: Array, sin: Arr
 
     Bending in the plane does not enter. Entries of the third wrench grow without bound towards q = ±90°.
     """
-    forces, moments = bar[..., _FORCES, :], bar[..., _MOMENTS, :]
-    along, across, turning = forces[..., _FORCES], forces[..., _MOMENTS], moments[..., _MOMENTS]
-    h = along - across @ np.linalg.pinv(turning, hermitian=True) @ np.swapaxes(across, -1, -2)
+    h = condensed(bar)
     h_xx, h_xz, h_zz = h[..., 0, 0], h[..., 0, 1], h[..., 1, 1]
     c_x, c_xt = bar[..., 0, 0], bar[..., 0, 3] * cos - bar[..., 0, 4] * sin
     c_t = bar[..., 3, 3] * cos**2 - 2 * bar[..., 3, 4] * sin * cos + bar[..., 4, 4] * sin**2
@@ -58,6 +56,17 @@ def parallelogram_compliance(bar: Array, *, spacing: float, cos: Array, sin: Arr
         reduced[:, 0, 2] = reduced[:, 2, 0] = -spacing / 2 * c_xt * h_xz * share * turn
         reduced[:, 1, 2] = reduced[:, 2, 1] = spacing / 2 * c_t * h_xz * share * turn
     return reduced
+
+
+def condensed(bar: Array) -> Array:
+    """h (..., 2, 2): a bar's compliance (..., 6, 6) to forces along x and z, where moments find none.
+
+    They are those about x and y, which the bar gives way to freely.
+    """
+    forces, moments = bar[..., _FORCES, :], bar[..., _MOMENTS, :]
+    along, across, turning = forces[..., _FORCES], forces[..., _MOMENTS], moments[..., _MOMENTS]
+    h: Array = along - across @ np.linalg.pinv(turning, hermitian=True) @ np.swapaxes(across, -1, -2)
+    return h
 
 
 def parallelogram_stiffness(bar: Array, *, spacing: float, cos: Array, sin: Array) -> Matrices:

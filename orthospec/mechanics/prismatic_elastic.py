@@ -14,11 +14,13 @@ universal joints (PUU) z is a passive axis at both ends. D = Wᵀ C W is the cha
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 from orthospec.arrays import np
 from orthospec.mechanics.inertia import inverse
-from orthospec.mechanics.parallelogram import parallelogram_compliance
+from orthospec.mechanics.parallelogram import condensed, parallelogram_compliance
 from orthospec.mechanics.virtual_joints import parallel_compliance, spring_at
 
 if TYPE_CHECKING:
@@ -31,7 +33,8 @@ BLOCK = 4096
 """Poses at a time: their wrenches stay in the cache."""
 
 
-class Springs(NamedTuple):
+@dataclass(frozen=True)
+class Springs:
     """The elasticity of one machine's chains."""
 
     actuator: float
@@ -46,20 +49,63 @@ class Springs(NamedTuple):
     spacing: float | None
     """Distance of a parallelogram's bars [m]; None for one bar between universal joints."""
 
+    @cached_property
+    def is_rigid(self) -> bool:
+        """Whether the drives alone give."""
+        return not (np.any(self.bars != 0) or self.feet.any())
+
+    @cached_property
+    def condensed(self) -> Array:
+        """h (3, 2, 2) of each leg's bar: see `orthospec.mechanics.parallelogram`."""
+        return condensed(self.bars)
+
 
 def compliance(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array:
     """C (n, 6, 6) at the tool; all inf where the machine is loose, NaN out of reach."""
-    found = np.empty_like(legs.s, shape=(legs.poses, 6, 6))
-    units = legs.s / machine.lengths[:, None, :]
-    is_rigid = not (np.any(springs.bars != 0) or springs.feet.any())
-    for start in range(0, legs.poses, BLOCK):
+    numbers = _one_machine(machine, springs, legs)
+    if numbers is None:
+        return _by_chains(machine, springs, legs.s)
+    from orthospec import kernels
+
+    found, safe = kernels.legs_compliance(numbers, springs.feet, legs.s)
+    rest = np.flatnonzero(~safe & np.isfinite(legs.s).all(axis=(0, 1)))
+    if len(rest):
+        found[rest] = _by_chains(machine, springs, legs.s[:, :, rest])
+    return found
+
+
+def _one_machine(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array | None:
+    """What the kernel is told of each leg (3, 21).
+
+    None where each pose has a machine of its own, where no leg or foot is elastic, and over boxes.
+    """
+    each = (machine.joints, machine.lengths, springs.bars)
+    if not all(isinstance(one, np.ndarray) for one in (*each, legs.s)):
+        return None
+    if machine.joints.shape[2] > 1 or machine.lengths.shape[1] > 1 or springs.bars.ndim > 3:
+        return None
+    if springs.is_rigid:
+        return None
+    C, h = springs.bars, springs.condensed
+    entries = [C[:, 0, 0], C[:, 0, 3], C[:, 0, 4], C[:, 3, 3], C[:, 3, 4], C[:, 4, 4]]
+    condensations = [h[:, 0, 0], h[:, 0, 1], h[:, 1, 1]]
+    directions = [machine.revolutes, machine.joints[:, :, 0], machine.axes]
+    alike = np.broadcast_to([[springs.actuator, (springs.spacing or 0.0) / 2]], (3, 2))
+    columns = [machine.lengths[:, 0], alike[:, 0], *entries, *condensations, alike[:, 1]]
+    return np.hstack([*directions, np.stack(columns, axis=1)])
+
+
+def _by_chains(machine: PrismaticLegs, springs: Springs, s: Array) -> Array:
+    """C (n, 6, 6) from each chain's wrenches and its compliance to them; ``s`` (3, 3, n) is as in `Legs`."""
+    units = s / machine.lengths[:, None, :]
+    found = np.empty_like(units, shape=(units.shape[2], 6, 6))
+    through = _through_drives if springs.is_rigid else parallel_compliance
+    for start in range(0, units.shape[2], BLOCK):
         part = slice(start, start + BLOCK)
         bars = springs.bars if springs.bars.ndim == 3 else springs.bars[:, part]
         joints = machine.joints if machine.joints.shape[2] == 1 else machine.joints[:, :, part]
-        here = machine._replace(joints=joints), springs._replace(bars=bars)
-        compliances, wrenches = _chains(*here, units[:, :, part])
-        through = _through_drives if is_rigid else parallel_compliance
-        found[part] = through(compliances, wrenches)
+        here = machine._replace(joints=joints), replace(springs, bars=bars)
+        found[part] = through(*_chains(*here, units[:, :, part]))
     return found
 
 
