@@ -46,7 +46,49 @@ def assert_equal_to_the_twin(nodes, mask):
         np.testing.assert_array_equal(cube_ends(nodes, one), twin.cube_ends(mask, one))
 
 
+@st.composite
+def solids(draw):
+    """Some boxes and balls with a few holes: where large cubes are, and where a coarse look may be wrong."""
+    random = np.random.default_rng(draw(seeds))
+    shape = random.integers(20, 75, 3)
+    nodes = np.indices(shape)
+    mask = np.zeros(shape, dtype=bool)
+    for _ in range(draw(st.integers(1, 3))):
+        centre, radius = random.uniform(0, shape), random.uniform(5, 45)
+        ways = np.abs(nodes - centre[:, None, None, None])
+        size = ways.max(axis=0) if draw(st.booleans()) else np.sqrt((ways**2).sum(axis=0))
+        mask |= size <= radius
+    for _ in range(draw(st.sampled_from([0, 0, 1, 5]))):
+        mask[tuple(random.integers(0, shape))] = False
+    return mask
+
+
+def assert_equal_to_all_sizes(nodes, mask):
+    sizes = cube_sizes(mask)
+    edge = int(sizes.max())
+    assert largest_cube(nodes) == edge
+    for one in {max(edge, 1), max(edge - 1, 1), (edge + 1) // 2 or 1}:
+        np.testing.assert_array_equal(cube_ends(nodes, one), np.argwhere(sizes >= one))
+
+
 class TestMask:
+    @settings(max_examples=200, deadline=None)
+    @given(solids())
+    def test_agrees_with_all_sizes_on_solids(self, mask):
+        assert_equal_to_all_sizes(mask, mask)
+
+    def test_a_hole_that_a_coarse_look_misses_counts(self):
+        mask = np.ones((61, 61, 61), dtype=bool)
+        mask[30, 29, 31] = False
+        assert largest_cube(mask) == 31
+        assert_equal_to_all_sizes(mask, mask)
+
+    def test_what_a_coarse_look_takes_for_solid_may_be_stripes(self):
+        for axis in range(2):
+            mask = np.zeros((61, 61, 61), dtype=bool)
+            mask[(slice(None),) * axis + (slice(None, None, 4),)] = True
+            assert largest_cube(mask) == 1
+
     @settings(max_examples=500, deadline=None)
     @given(masks())
     def test_equals_twin_on_noise(self, mask):
@@ -111,6 +153,11 @@ class TestWithin:
     def test_equals_twin_on_rows_about_the_length_of_words_and_blocks(self, row, of_mask):
         mask = np.random.default_rng(row).random((4, 3, row)) < 0.95
         assert_equal_to_the_twin(Within(of_mask(mask), mask.shape, 0.0, 1.0), mask)
+
+    @settings(max_examples=30, deadline=None)
+    @given(solids(), seeds)
+    def test_agrees_with_all_sizes_on_solids(self, mask, seed):
+        assert_equal_to_all_sizes(Within(field_of(mask, seed), mask.shape, 0.0, 1.0), mask)
 
     def test_of_strided_fields_is_that_of_their_copies(self):
         mask = np.random.default_rng(2).random((7, 8, 70)) < 0.95
