@@ -24,6 +24,8 @@ squares = x**2 + y**2 + z**2
 ball, noise = squares <= 0.9, random.random(squares.shape) < 0.9
 small, spatial = random.standard_normal((20000, 3, 3)), random.standard_normal((5000, 6, 6))
 halves = random.standard_normal((5000, 3, 2, 2))
+legs = random.uniform(0.5, 1.0, (3, 21)) + 2.0 * np.isin(np.arange(21), [11, 14, 16, 17, 19])
+directions = random.standard_normal((3, 3, 5000))
 chains = halves @ halves.swapaxes(2, 3) + np.eye(2), random.standard_normal((5000, 3, 2, 6))
 """
 KERNELS = {
@@ -39,6 +41,11 @@ KERNELS = {
     "symmetric_eigenvalues, 3 x 3": ("kernels.symmetric_eigenvalues(small)", 20000, "matrix"),
     "singular_values, 3 x 3": ("kernels.singular_values(small)", 20000, "matrix"),
     "chain_compliance, 3 chains of 2": ("kernels.chain_compliance(*chains)", 5000, "platform"),
+    "legs_compliance, 3 parallelograms": (
+        "kernels.legs_compliance(legs, np.zeros((3, 6, 6)), directions)",
+        5000,
+        "platform",
+    ),
 }
 CALLS = 5
 ENVIRONMENT = {**os.environ, "PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1"}

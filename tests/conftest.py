@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import pickle
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -53,15 +55,27 @@ def _unproved(settings: tuple[str, ...]) -> tuple[str, ...]:
 
 
 @pytest.fixture(scope="session")
-def outcome_of() -> Callable[..., Outcome]:
-    """The outcome of a spec in ``specs/``, solved once a session; proved only where a setting says how."""
+def outcome_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Outcome]:
+    """The outcome of a spec in ``specs/``, solved once a session; proved only where a setting says how.
+
+    Workers side by side hand each other what they have solved, in files.
+    """
     known: dict[tuple[str, ...], Outcome] = {}
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
 
     def find(name: str, *settings: str) -> Outcome:
         key = (name, *settings)
         if key not in known:
-            spec = load_spec(SPECS / f"{name}.yaml", _unproved(settings))
-            known[key] = solve(spec) if spec.variables else evaluate_spec(spec)
+            file = folder / f"{hashlib.sha256(repr(key).encode()).hexdigest()}.outcome"
+            if not file.exists():
+                spec = load_spec(SPECS / f"{name}.yaml", _unproved(settings))
+                outcome = solve(spec) if spec.variables else evaluate_spec(spec)
+                whole = file.with_suffix(f".{os.getpid()}")
+                whole.write_bytes(pickle.dumps(outcome))
+                whole.replace(file)
+            known[key] = pickle.loads(file.read_bytes())
         return known[key]
 
     return find

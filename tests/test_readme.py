@@ -150,7 +150,7 @@ def test_the_figures_of_the_specs_are_true(
     path: str, status: str, gives: str, subproblems: str, outcome_of: OutcomeOf
 ) -> None:
     ours = path.startswith("specs/")
-    outcome = outcome_of(Path(path).stem) if ours else solve(load_spec(ROOT / path))
+    outcome = outcome_of(Path(path).stem) if ours else solve(load_spec(ROOT / path, ("proof=false",)))
     figures = re.findall(r"(\S+) = (\S+?)(?: (mm|m))?(?:,|$)", gives)
     assert figures
     assert outcome.finding.status == status

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
+from orthospec.kernels import singular_values
 from orthospec.measures import ConvexForm, Measure, logarithm
 from orthospec.quantities import Length
 
@@ -49,12 +50,10 @@ class JointError(Measure):
         """The error at each pose (n,) [m]; inf at a parallel singularity, NaN where J⁻¹ is not finite."""
         if {*manipulator.axes} - {"x", "y", "z"} or {*manipulator.joint_units} != {"m"}:
             raise ValueError("joint_error is for prismatic actuators and a tool that only translates")
-        inverse = manipulator.inverse_jacobian(poses)
-        known = np.isfinite(inverse).all(axis=(1, 2))
-        finite = np.where(known[:, None, None], inverse, 1.0)
         with np.errstate(divide="ignore"):
-            squares = np.linalg.svd(finite, compute_uv=False) ** -2.0
-        return np.where(known, self.error * np.sqrt(squares.sum(axis=1)), np.nan)
+            squares = singular_values(manipulator.inverse_jacobian(poses)) ** -2.0
+        error: Array = self.error * np.sqrt(squares.sum(axis=1))
+        return error
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """‖Y‖ − 1 + l <= ln b with Y = J / ‖J‖_F and l = ln(e ‖J‖_F); NaN where J is not finite."""
