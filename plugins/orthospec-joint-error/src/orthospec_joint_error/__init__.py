@@ -5,7 +5,7 @@ first order the tool's error is δp = J δρ, J = ∂p/∂ρ, and by the law of 
 100:2008, *Guide to the expression of uncertainty in measurement*, eq. 10) coordinate k of the tool has the
 variance e² Σ_i J_ki². Their sum is the mean square of the distance between the tool and where it should be:
 
-    error = e ‖J‖_F = e sqrt(Σ_i 1/s_i²),      s_i the singular values of J⁻¹.
+    error = e ‖J‖_F.
 
 The norm is convex in J, and so is its logarithm's excess over what the norm was: divided by itself,
 
@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from orthospec.kernels import singular_values
 from orthospec.measures import ConvexForm, Measure, logarithm
 from orthospec.quantities import Length
 
@@ -50,10 +49,13 @@ class JointError(Measure):
         """The error at each pose (n,) [m]; inf at a parallel singularity, NaN where J⁻¹ is not finite."""
         if {*manipulator.axes} - {"x", "y", "z"} or {*manipulator.joint_units} != {"m"}:
             raise ValueError("joint_error is for prismatic actuators and a tool that only translates")
-        with np.errstate(divide="ignore"):
-            squares = singular_values(manipulator.inverse_jacobian(poses)) ** -2.0
-        error: Array = self.error * np.sqrt(squares.sum(axis=1))
-        return error
+        inverse, eye = manipulator.inverse_jacobian(poses), np.eye(len(manipulator.axes))
+        known = np.isfinite(inverse).all(axis=(1, 2))
+        finite = np.where(known[:, None, None], inverse, eye)
+        regular = np.linalg.det(finite) != 0
+        jacobian = np.linalg.inv(np.where(regular[:, None, None], finite, eye))
+        error = np.where(regular, self.error * np.linalg.norm(jacobian, axis=(1, 2)), np.inf)
+        return np.where(known, error, np.nan)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """‖Y‖ − 1 + l <= ln b with Y = J / ‖J‖_F and l = ln(e ‖J‖_F); NaN where J is not finite."""
