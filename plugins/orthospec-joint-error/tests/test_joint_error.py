@@ -26,8 +26,7 @@ LEG = 0.31
 
 @pytest.fixture(scope="module")
 def outcome() -> Outcome:
-    """Without the proof, which has a test of its own."""
-    return solve(load_spec(SPEC, ["proof=false"]))
+    return solve(load_spec(SPEC))
 
 
 def machine(leg: float = LEG) -> Orthoglide:
@@ -100,6 +99,14 @@ def test_the_bound_binds_and_the_isotropic_pose_has_sqrt_3_times_one_error(outco
     assert accuracy.poses["isotropic"] == pytest.approx((5e-6 * np.sqrt(3),))
     bounds = [limit for limit in outcome.finding.limits if limit.kind == "bound"]
     assert [(limit.name, limit.side) for limit in bounds] == [("accuracy", "at_most")]
+
+
+def test_the_scale_of_its_cuboid_is_proved_to_a_part_in_a_million(outcome: Outcome) -> None:
+    joint = outcome.finding.evaluation.joint
+    assert joint is not None
+    assert joint.proved is not None
+    assert joint.proved.most is not None
+    assert joint.proved.most - joint.scale < 2e-6
 
 
 def test_a_longer_leg_than_the_optimum_holds_and_a_shorter_one_does_not(outcome: Outcome) -> None:

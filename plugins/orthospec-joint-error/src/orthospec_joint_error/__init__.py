@@ -26,7 +26,7 @@ from orthospec.measures import ConvexForm, Measure, logarithm
 from orthospec.quantities import Length
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Poses
+    from orthospec.arrays import Array, Flags, Poses
     from orthospec.manipulators import Manipulator
 
 __all__ = ["JointError"]
@@ -49,20 +49,14 @@ class JointError(Measure):
         """The error at each pose (n,) [m]; inf at a parallel singularity, NaN where J⁻¹ is not finite."""
         if {*manipulator.axes} - {"x", "y", "z"} or {*manipulator.joint_units} != {"m"}:
             raise ValueError("joint_error is for prismatic actuators and a tool that only translates")
-        inverse, eye = manipulator.inverse_jacobian(poses), np.eye(len(manipulator.axes))
-        known = np.isfinite(inverse).all(axis=(1, 2))
-        finite = np.where(known[:, None, None], inverse, eye)
-        regular = np.linalg.det(finite) != 0
-        jacobian = np.linalg.inv(np.where(regular[:, None, None], finite, eye))
+        jacobian, known, regular = _jacobian(manipulator, poses)
         error = np.where(regular, self.error * np.linalg.norm(jacobian, axis=(1, 2)), np.inf)
         return np.where(known, error, np.nan)
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """‖Y‖ − 1 + l <= ln b with Y = J / ‖J‖_F and l = ln(e ‖J‖_F); NaN where J is not finite."""
-        inverse = manipulator.inverse_jacobian(poses)
-        sound = np.isfinite(inverse).all(axis=(1, 2)) & (np.abs(np.linalg.det(np.nan_to_num(inverse))) > 0)
-        safe = np.where(sound[:, None, None], inverse, np.eye(inverse.shape[1]))
-        parts = np.linalg.inv(safe).reshape(len(poses), -1)
+        jacobian, known, regular = _jacobian(manipulator, poses)
+        sound, parts = known & regular, jacobian.reshape(len(poses), -1)
         size = np.linalg.norm(parts, axis=1)
         inside = np.column_stack([parts / size[:, None], np.log(self.error * size)])
 
@@ -72,3 +66,13 @@ class JointError(Measure):
             return [cp.norm(x[:-1]) <= 1 + logarithm(bound) + slack - x[-1]]
 
         return ConvexForm(np.where(sound[:, None], inside, np.nan), holds)
+
+
+def _jacobian(manipulator: Manipulator, poses: Poses) -> tuple[Array, Flags, Flags]:
+    """J (n, d, d), the identity where it has no value; where J⁻¹ is finite, and where not singular (n,)."""
+    inverse, eye = manipulator.inverse_jacobian(poses), np.eye(len(manipulator.axes))
+    known: Flags = np.isfinite(inverse).all(axis=(1, 2))
+    finite = np.where(known[:, None, None], inverse, eye)
+    regular: Flags = np.linalg.det(finite) != 0
+    jacobian: Array = np.linalg.inv(np.where(regular[:, None, None], finite, eye))
+    return jacobian, known, regular
