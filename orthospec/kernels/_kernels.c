@@ -101,7 +101,7 @@ static PyObject *largest_cube(PyObject *Py_UNUSED(module), PyObject *arguments)
     const int count = take_nodes(source, axes, views, &nodes);
     if (count < 0)
         return NULL;
-    uint64_t *const room = PyMem_Malloc(room_for_cubes(&nodes, longest_edge(&nodes)) * sizeof *room);
+    uint64_t *const room = PyMem_New(uint64_t, room_for_cubes(&nodes, longest_edge(&nodes)));
     size_t edge = 0;
     if (room != NULL) {
         Py_BEGIN_ALLOW_THREADS
@@ -150,7 +150,7 @@ static PyObject *cube_ends(PyObject *Py_UNUSED(module), PyObject *arguments)
             problem = "out overlaps the nodes";
     if (problem != NULL)
         return release_all(views, count + 1, problem);
-    uint64_t *const room = PyMem_Malloc(room_for_cubes(&nodes, (size_t)edge) * sizeof *room);
+    uint64_t *const room = PyMem_New(uint64_t, room_for_cubes(&nodes, (size_t)edge));
     if (room == NULL) {
         release_views(views, count + 1);
         return PyErr_NoMemory();

@@ -72,10 +72,10 @@ class Legs(NamedTuple):
 
 def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     """Close the loops of all legs at each pose."""
-    if isinstance(poses, np.ndarray) and (geometry := _one_machine(machine)) is not None:
+    if isinstance(poses, np.ndarray) and is_one(machine):
         from orthospec import kernels
 
-        return Legs(*kernels.close_legs(geometry, poses))
+        return Legs(*kernels.close_legs(_slides(machine), poses))
     offsets = machine.joints - machine.bases
     p = poses.T.copy()
     axes = machine.axes[:, :, None]
@@ -89,11 +89,14 @@ def close(machine: PrismaticLegs, poses: Poses) -> Legs:
     return Legs(rho.T, s, along, closing)
 
 
-def _one_machine(machine: PrismaticLegs) -> Array | None:
-    """Axis, offset, length and branch of each leg (3, 8); None where each pose has a machine of its own."""
+def is_one(machine: PrismaticLegs) -> bool:
+    """Whether all poses have this one machine, of plain numbers: those that kernels serve."""
     numbers = (machine.joints, machine.bases, machine.lengths)
-    if not all(isinstance(one, np.ndarray) and one.shape[-1] == 1 for one in numbers):
-        return None
+    return all(isinstance(one, np.ndarray) and one.shape[-1] == 1 for one in numbers)
+
+
+def _slides(machine: PrismaticLegs) -> Array:
+    """What the kernel of the loops is told of each leg (3, 8): axis, offset, length and branch."""
     offsets = (machine.joints - machine.bases)[:, :, 0]
     return np.hstack([machine.axes, offsets, machine.lengths, machine.branches[:, None]])
 
@@ -110,7 +113,7 @@ def margins(machine: PrismaticLegs, legs: Legs) -> dict[str, Array]:
     ``leg_1`` ... as `leg_margins` tells them, ``singularity`` by the `volume_margin`, ``assembly`` by the
     `pairs_margin`.
     """
-    if _one_machine(machine) is not None and isinstance(legs.s, np.ndarray):
+    if is_one(machine) and isinstance(legs.s, np.ndarray):
         from orthospec import kernels
 
         rows = kernels.leg_margins(_scales(machine), legs.s, legs.closing)

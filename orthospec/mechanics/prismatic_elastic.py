@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from orthospec.arrays import np
 from orthospec.mechanics.inertia import inverse
 from orthospec.mechanics.parallelogram import condensed, parallelogram_compliance
+from orthospec.mechanics.prismatic import is_one
 from orthospec.mechanics.virtual_joints import parallel_compliance, spring_at
 
 if TYPE_CHECKING:
@@ -62,36 +63,26 @@ class Springs:
 
 def compliance(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array:
     """C (n, 6, 6) at the tool; all inf where the machine is loose, NaN out of reach."""
-    numbers = _one_machine(machine, springs, legs)
-    if numbers is None:
+    plain = isinstance(legs.s, np.ndarray) and isinstance(springs.bars, np.ndarray) and springs.bars.ndim == 3
+    if not (plain and is_one(machine)) or springs.is_rigid:
         return _by_chains(machine, springs, legs.s)
     from orthospec import kernels
 
-    found, safe = kernels.legs_compliance(numbers, springs.feet, legs.s)
-    rest = np.flatnonzero(~safe & np.isfinite(legs.s).all(axis=(0, 1)))
+    found, safe = kernels.legs_compliance(_numbers(machine, springs), springs.feet, legs.s)
+    rest = np.flatnonzero(~safe)
     if len(rest):
         found[rest] = _by_chains(machine, springs, legs.s[:, :, rest])
     return found
 
 
-def _one_machine(machine: PrismaticLegs, springs: Springs, legs: Legs) -> Array | None:
-    """What the kernel is told of each leg (3, 21).
-
-    None where each pose has a machine of its own, where no leg or foot is elastic, and over boxes.
-    """
-    each = (machine.joints, machine.lengths, springs.bars)
-    if not all(isinstance(one, np.ndarray) for one in (*each, legs.s)):
-        return None
-    if machine.joints.shape[2] > 1 or machine.lengths.shape[1] > 1 or springs.bars.ndim > 3:
-        return None
-    if springs.is_rigid:
-        return None
+def _numbers(machine: PrismaticLegs, springs: Springs) -> Array:
+    """What the kernel is told of each leg (3, 21)."""
     C, h = springs.bars, springs.condensed
     entries = [C[:, 0, 0], C[:, 0, 3], C[:, 0, 4], C[:, 3, 3], C[:, 3, 4], C[:, 4, 4]]
     condensations = [h[:, 0, 0], h[:, 0, 1], h[:, 1, 1]]
     directions = [machine.revolutes, machine.joints[:, :, 0], machine.axes]
-    alike = np.broadcast_to([[springs.actuator, (springs.spacing or 0.0) / 2]], (3, 2))
-    columns = [machine.lengths[:, 0], alike[:, 0], *entries, *condensations, alike[:, 1]]
+    drive, half = np.full(3, springs.actuator), np.full(3, (springs.spacing or 0.0) / 2)
+    columns = [machine.lengths[:, 0], drive, *entries, *condensations, half]
     return np.hstack([*directions, np.stack(columns, axis=1)])
 
 
