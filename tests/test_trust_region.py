@@ -64,6 +64,21 @@ def test_no_feasible_point_ends_infeasible_with_the_least_violation():
     assert found.subproblems <= 30
 
 
+def test_a_penalty_too_small_is_raised_before_a_step_is_taken():
+    """A unit of x is worth fifty of λ, and the first penalty asks ten for it."""
+    found = minimise(Scalar(lambda x: -50 * x, lambda x: x), np.array([0.1]))
+    assert found.history[0].violation == pytest.approx(0.0, abs=1e-9)
+    assert found.ending is Ending.SOLVED
+    assert found.x[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_penalty_stays_small_where_nothing_comes_nearer_to_feasibility():
+    found = minimise(Scalar(lambda x: -x, lambda x: 1 + (x - 0.5) ** 2), np.array([3.0]))
+    assert found.ending is Ending.INFEASIBLE
+    assert found.x[0] == pytest.approx(0.5, abs=1e-4)
+    assert max(iterate.penalty for iterate in found.history) <= 100
+
+
 def test_without_a_factor_any_feasible_point_will_do():
     found = minimise(Scalar(hard=lambda x: x * x - 4), np.array([7.0]))
     assert found.ending is Ending.SOLVED

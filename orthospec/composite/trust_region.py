@@ -42,6 +42,10 @@ SHRINK = (0.1, 0.4)
 """Least and greatest part of a step's length to which the radius shrinks after it."""
 PENALTY = (10.0, 1e6)
 """Least and greatest penalty; factors are scaled to be of order 1."""
+NEARER = 0.5
+"""The part of the way to feasibility that can be gone which a step must go, or the penalty rises."""
+STUCK = 0.01
+"""Where no step is nearer by this part of the violation, for a length of 1, feasibility is sought alone."""
 DAMPING = 1e-9
 """A trace of curvature, so that a flat optimum has one answer."""
 
@@ -172,15 +176,26 @@ class _Model:
     def solve(self, state: _State, w: Array) -> Step | None:
         """The subproblem with w in the place of the values at x."""
         state.subproblems += 1
-        lower = np.maximum(self.problem.lower - self.x, -state.radius)
-        upper = np.minimum(self.problem.upper - self.x, state.radius)
-        return solve(self.rows, w, self.slopes, self.curvature, lower, upper, state.penalty, state.weight)
+        box = self._box(state)
+        return solve(self.rows, w, self.slopes, self.curvature, *box, state.penalty, state.weight)
+
+    def least_slack(self, state: _State) -> float:
+        """The least slack of any step, whatever the factor; 0 where the solver found no step."""
+        state.subproblems += 1
+        bare = DAMPING * np.eye(len(self.x))
+        step = solve(self.rows, self.w, self.slopes, bare, *self._box(state), 1.0, 0.0)
+        return 0.0 if step is None else max(step.slack, 0.0)
 
     def merit(self, state: _State, step: Step) -> float:
         """The merit that the model foretells for a step."""
         factor = state.weight * step.factor if state.weight else 0.0
         bend = 0.5 * float(step.delta @ self.curvature @ step.delta)
         return factor + state.penalty * max(step.slack, 0.0) + bend
+
+    def _box(self, state: _State) -> tuple[Array, Array]:
+        """Least and greatest step."""
+        lower = np.maximum(self.problem.lower - self.x, -state.radius)
+        return lower, np.minimum(self.problem.upper - self.x, state.radius)
 
     def at(self, step: Step) -> Array:
         """Where a step leads."""
@@ -203,7 +218,7 @@ def minimise(
     radius: float = RADIUS[0],
     on_iterate: Callable[[Assessment, Iterate], None] | None = None,
 ) -> Solution:
-    """Minimise the factor from ``start``, with at most ``most`` subproblems.
+    """Minimise the factor from ``start``; no step is begun after ``most`` subproblems.
 
     ``on_iterate`` is called after each step with the current point: a caller stopped by Ctrl-C has it.
     """
@@ -240,6 +255,10 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
     step = model.solve(state, model.w)
     if step is None:
         return _shrink(state, state.radius)
+    if state.weight and step.slack > FEASIBLE:
+        step = _steered(model, state, step)
+        if step is None:
+            return _settle(problem, state)
     state.rows, state.step = model.rows, step
     predicted = state.merit(state.here) - model.merit(state, step)
     if predicted < -state.settled:
@@ -251,6 +270,24 @@ def _pass(problem: Problem, state: _State) -> Ending | None:
     if predicted <= state.settled:
         return None if _sharpen(model, state, step) else _settle(problem, state)
     return _judge(model, state, *_try(model, state, step, predicted), predicted)
+
+
+def _steered(model: _Model, state: _State, step: Step) -> Step | None:
+    """A step with slack, or one of a larger penalty where that may come much nearer to feasibility.
+
+    How near the model lets any step come is asked first, for where that is hardly nearer no penalty is large
+    enough: None then (Byrd, Nocedal and Waltz, *Steering exact penalty methods for nonlinear programming*,
+    Optimization Methods and Software 23, 2008).
+    """
+    violation, least = state.here.violation, 0.0
+    if violation > FEASIBLE:
+        least = model.least_slack(state)
+        if violation - least <= max(SETTLED, STUCK * violation * min(state.radius, 1.0)):
+            return None
+    if violation - step.slack < NEARER * (violation - least) and state.penalty < PENALTY[1]:
+        state.penalty = min(10 * state.penalty, PENALTY[1])
+        return model.solve(state, model.w) or step
+    return step
 
 
 def _linearised(problem: Problem, state: _State) -> _Model | None:
@@ -303,7 +340,6 @@ def _judge(model: _Model, state: _State, trial: Assessment, step: Step, predicte
     """Accept or refuse a trial point; adapt radius, penalty and curvature."""
     ratio = (state.merit(state.here) - state.merit(trial)) / predicted
     length = float(np.max(np.abs(step.delta)))
-    violation = state.here.violation
     if ratio > ACCEPTABLE:
         state.move(trial)
         state.curvature = model.bend(step, trial.x)
@@ -314,7 +350,7 @@ def _judge(model: _Model, state: _State, trial: Assessment, step: Step, predicte
         return _settle(model.problem, state)
     if not state.weight and state.here.violation <= FEASIBLE:
         return _settle(model.problem, state)
-    _adapt_penalty(state, step, violation)
+    _lower_penalty(state, step)
     return None
 
 
@@ -324,17 +360,13 @@ def _shrink(state: _State, length: float, ratio: float = 0.0) -> Ending | None:
     return Ending.STALLED if state.radius < RADIUS[2] else None
 
 
-def _adapt_penalty(state: _State, step: Step, violation: float) -> None:
-    """Raise it while slack is paid for, lower it towards the pressure: too large stalls.
+def _lower_penalty(state: _State, step: Step) -> None:
+    """Lower it towards the pressure: too large stalls.
 
     Without slack it is large enough, however much pressure there is: where bounds leave no room against each
     other, their multipliers have no limit and take what the penalty allows.
     """
-    if not state.weight:
-        return
-    if step.slack > FEASIBLE and step.slack > 0.5 * violation:
-        state.penalty = min(10 * state.penalty, PENALTY[1])
-    elif step.slack <= FEASIBLE:
+    if state.weight and step.slack <= FEASIBLE:
         state.penalty = max(min(state.penalty, 10 * step.pressure), PENALTY[0])
 
 
