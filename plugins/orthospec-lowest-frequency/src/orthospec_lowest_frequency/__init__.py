@@ -7,9 +7,13 @@ Journal 3(2), 1965). Free vibrations of the tool are G p̈ + C_tt⁻¹ p = 0: wi
 
     f = 1 / (2 π sqrt(λ_max(C_tt G))).
 
-With G = L Lᵀ these are the eigenvalues of Lᵀ C_tt L, which is symmetric. Only numbers are given here: no
-convex form, and no bounds over boxes of poses, since a Cholesky factor is not among what intervals know. A
-run with this measure holds it at the critical poses that it finds, and says that it is not proved.
+With G = L Lᵀ these are the eigenvalues of A = Lᵀ C_tt L, which is symmetric. Two of them are one where the
+machine is symmetric, and there f has a kink: the convex form is about the matrix, which has none,
+
+    λ_min(−½ ln A − ln 2π) >= ln b.
+
+There are no bounds over boxes of poses, since a Cholesky factor is not among what intervals know. A run with
+this measure holds it at the critical poses that it finds, and says that it is not proved.
 """
 
 from __future__ import annotations
@@ -19,11 +23,12 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from orthospec.kernels import symmetric_eigenvalues
-from orthospec.measures import Measure
+from orthospec.measures import ConvexForm, Measure
+from orthospec.measures.forms import least_eigenvalue, semidefinite_logarithm
 from orthospec.mechanics.inertia import at_tool
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Poses
+    from orthospec.arrays import Array, Matrices, Poses
     from orthospec.manipulators import Manipulator
 
 __all__ = ["LowestFrequency"]
@@ -44,17 +49,22 @@ class LowestFrequency(Measure):
         """The frequency at each pose (n,) [Hz]; 0 where the machine is loose or singular."""
         if manipulator.axes != ("x", "y", "z"):
             raise ValueError("lowest_frequency is for machines whose tool translates along x, y and z")
-        compliance = manipulator.compliance(poses)[:, :3, :3]
-        inertia = at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
-        known = np.isfinite(compliance).all(axis=(1, 2)) & np.isfinite(inertia).all(axis=(1, 2))
-        slowest = np.full(len(poses), np.inf)
-        slowest[known] = _greatest(compliance[known], inertia[known])
         with np.errstate(divide="ignore"):
-            return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(slowest)))
+            slowest = symmetric_eigenvalues(_swinging(manipulator, poses))[:, -1]
+            return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(np.where(np.isnan(slowest), np.inf, slowest))))
+
+    def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
+        """λ_min(−½ ln A − ln 2π) >= ln b."""
+        logarithms = semidefinite_logarithm(_swinging(manipulator, poses))
+        return least_eigenvalue(-0.5 * logarithms - np.log(2.0 * np.pi) * np.eye(3))
 
 
-def _greatest(compliance: Array, inertia: Array) -> Array:
-    """λ_max(C_tt G) (n,) [s²]."""
-    factor = np.linalg.cholesky((inertia + np.swapaxes(inertia, 1, 2)) / 2)
-    product = np.swapaxes(factor, 1, 2) @ compliance @ factor
-    return symmetric_eigenvalues(product)[:, -1]
+def _swinging(manipulator: Manipulator, poses: Poses) -> Matrices:
+    """A = Lᵀ C_tt L (n, 3, 3) [s²], G = L Lᵀ; NaN where the machine is loose or singular."""
+    compliance = manipulator.compliance(poses)[:, :3, :3]
+    inertia = at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
+    known = np.isfinite(compliance).all(axis=(1, 2)) & np.isfinite(inertia).all(axis=(1, 2))
+    found = np.full(compliance.shape, np.nan)
+    factor = np.linalg.cholesky((inertia[known] + np.swapaxes(inertia[known], 1, 2)) / 2)
+    found[known] = np.swapaxes(factor, 1, 2) @ compliance[known] @ factor
+    return found
