@@ -15,7 +15,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from pydantic import BaseModel, GetJsonSchemaHandler
+from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler
 
 if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 
 class Described(BaseModel):
-    """A model whose JSON Schema has the fields' docstrings in it."""
+    """A model whose JSON Schema has the fields' docstrings in it; pydantic makes its part at the first use."""
+
+    model_config = ConfigDict(defer_build=True)
 
     @classmethod
     def __get_pydantic_json_schema__(

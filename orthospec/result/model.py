@@ -14,7 +14,7 @@ Pose: TypeAlias = list[float]
 class _Record(BaseModel):
     """Keys that are not known here are passed over, so that files of later versions can be read."""
 
-    model_config = ConfigDict(frozen=True, strict=True)
+    model_config = ConfigDict(frozen=True, strict=True, defer_build=True)
 
 
 class GoalRecord(_Record):

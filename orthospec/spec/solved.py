@@ -65,7 +65,7 @@ class Solved:
 class _Record(BaseModel):
     """The part of a result file that a spec takes; the rest is passed over."""
 
-    model_config = ConfigDict(frozen=True, strict=True)
+    model_config = ConfigDict(frozen=True, strict=True, defer_build=True)
 
 
 class _Ends(_Record):
