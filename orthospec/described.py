@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Described(BaseModel):
-    """A model whose JSON Schema has the fields' docstrings in it; pydantic makes its part at the first use."""
+    """A model whose JSON Schema has the fields' docstrings in it; pydantic builds it at its first use."""
 
     model_config = ConfigDict(defer_build=True)
 

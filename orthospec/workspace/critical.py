@@ -8,6 +8,7 @@ function; those near the greatest are refined by a compass search and Newton ste
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -60,13 +61,13 @@ def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: 
 
     ``known`` (n, d) are further points to start from, the critical points of before.
     """
-    axis = np.linspace(-0.5, 0.5, nodes)
-    lattice = np.array(list(product(axis, repeat=d)))
+    lattice = _lattice(nodes, d)
     points = lattice if known is None else np.vstack([lattice, known])
     values = functions(points)
     starts = []
-    for row in values[:, : len(lattice)]:
-        chosen = _local_maxima(row.reshape((nodes,) * d))
+    peaked = _local_maxima(values[:, : len(lattice)].reshape(-1, *(nodes,) * d))
+    for row, highest in zip(values[:, : len(lattice)], peaked.reshape(-1, len(lattice)), strict=True):
+        chosen = np.flatnonzero(highest)
         starts.append(_apart(lattice, row, chosen[row[chosen] >= _threshold(row)]))
     for row in values:
         near = np.flatnonzero(row[len(lattice) :] >= _threshold(row[: len(lattice)])) + len(lattice)
@@ -76,21 +77,28 @@ def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: 
     return _refine(functions, Peaks(points[first], of, values[of, first]), 0.5 / (nodes - 1))
 
 
+@lru_cache
+def _lattice(nodes: int, d: int) -> Array:
+    """Points (nodes^d, d) over [−1/2, 1/2]^d."""
+    points = np.array(list(product(np.linspace(-0.5, 0.5, nodes), repeat=d)))
+    points.flags.writeable = False
+    return points
+
+
 def _threshold(row: Array) -> float:
     greatest = float(row.max())
     return greatest - NEAR * min(1.0, greatest - float(row.min())) if np.isfinite(greatest) else greatest
 
 
-def _local_maxima(values: Array) -> NDArray[np.intp]:
-    """Flat indices of the nodes that none of their neighbours exceeds."""
+def _local_maxima(values: Array) -> NDArray[np.bool_]:
+    """Which nodes none of their neighbours exceeds, of each function (k, ...)."""
     around = values
-    for axis in range(values.ndim):
-        margin = [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)]
-        padded = np.pad(around, margin, constant_values=-np.inf)
-        n = values.shape[axis]
-        parts = [np.take(padded, range(s, s + n), axis=axis) for s in range(3)]
-        around = np.maximum.reduce(parts)
-    return np.flatnonzero(values >= around)
+    for axis in range(1, values.ndim):
+        beside, around = np.moveaxis(around, axis, 0), around.copy()
+        here = np.moveaxis(around, axis, 0)
+        np.maximum(here[1:], beside[:-1], out=here[1:])
+        np.maximum(here[:-1], beside[1:], out=here[:-1])
+    return np.asarray(values >= around)
 
 
 def _apart(lattice: Array, row: Array, chosen: NDArray[np.intp]) -> NDArray[np.intp]:
