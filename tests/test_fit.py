@@ -10,7 +10,7 @@ import pytest
 from mpmath import mpf
 
 from orthospec.composite.differences import jacobian
-from orthospec.composite.trust_region import minimise
+from orthospec.composite.trust_region import Ending, minimise
 from orthospec.errors import PluginFault, UnbuildableDesign
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import ConvexForm, Demand, Measure
@@ -19,7 +19,7 @@ from orthospec.mechanics.prismatic import CLEARANCE
 from orthospec.optimise.objective import GoalObjective
 from orthospec.optimise.space import DesignSpace
 from orthospec.workspace import objective
-from orthospec.workspace.conditions import Condition, Extreme
+from orthospec.workspace.conditions import Condition, Extreme, Sample
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.fit import FitProblem, Group, Machine
 from orthospec.workspace.layout import Limits, Point
@@ -254,13 +254,13 @@ class Raising(Plain):
         raise KeyError("no such thing")
 
 
-def polish_problem(measure, bounds, *, scale=0.3, region=None, relaxed=None):
+def polish_problem(measure, bounds, *, scale=0.3, centre=(0.0, 0.0, 0.0), region=None, relaxed=None):
     machine = Machine(
         Orthoglide(leg_lengths=(1.0, 1.0, 1.0)), {"m": Demand("m", measure, bounds, place="s.yaml:7:3")}
     )
     none = np.zeros(0)
     limits = Limits((none, none), region, scale=(1e-9, 1e3))
-    group = Group(("m",), (0.0, 0.0, 0.0))
+    group = Group(("m",), centre)
     return FitProblem(lambda _: machine, np.ones(3), [group], LargestScale(), limits, (none, scale), relaxed)
 
 
@@ -363,6 +363,28 @@ def test_a_cuboid_out_of_reach_cannot_be_assessed():
     far[-1] = 5.0
     assert problem.assess(far).violation == np.inf
     assert problem.assess(problem.start).violation <= 0.0
+
+
+def test_a_cuboid_slides_along_the_edge_of_the_reach():
+    """No measure is known beyond the edge; how far out a step leads is, and turns the next one."""
+    beside = (-0.585, 0.585, 0.585)
+    problem = polish_problem(VelocityTransmission(), {"at_most": 1.2}, scale=0.09, centre=beside)
+    found = minimise(problem, problem.start)
+    assert found.ending is Ending.SOLVED
+    assert found.subproblems <= 20
+    assert found.factor < -0.2
+    assert "joint" in {one.kind for one, poses in problem.critical(found.x, 1e-6).items() if poses}
+
+
+def test_just_out_of_reach_is_told_by_how_much_and_no_measure_counts():
+    machine = polish_problem(VelocityTransmission(), {"at_most": 9.0}).machine(np.zeros(0))
+    conditions = [Condition("joint", "leg_1", None), Condition("bound", "m", "at_most")]
+    poses = np.array([[0.0, 0.7, 0.7], [0.0, 0.71, 0.71], [0.0, 0.9, 0.9]])
+    leg, bound = Sample(machine, poses).rows(conditions, [], {})
+    np.testing.assert_allclose(leg, 2 * poses[:, 1] ** 2 - 1 + CLEARANCE**2, rtol=1e-12)
+    assert np.isfinite(bound[0])
+    assert bound[1] == -np.inf
+    assert bound[2] == np.inf
 
 
 def test_critical_poses_are_those_within_reach_of_the_bound():

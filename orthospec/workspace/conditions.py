@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags, Poses
 
 
+JUST = 0.01
+"""Margins of reach down to minus this are just out of it."""
+
+
 @dataclass(frozen=True)
 class Condition:
     """A bound of a measure (``side`` at_least or at_most) or a reach condition (``side`` may be None)."""
@@ -82,7 +86,8 @@ class Sample:
     ) -> Array:
         """Excess of each condition, then signed value of each extreme (k, n); inf where not computable.
 
-        ``relaxed`` loosens a condition by so much.
+        Just out of reach there is nothing to measure, but the reach conditions tell how far out that is: all
+        others are −inf there. ``relaxed`` loosens a condition by so much.
         """
         manipulator, demands = self.machine.manipulator, self.machine.demands
         joints, _ = manipulator.inverse_kinematics(self.poses)
@@ -101,7 +106,11 @@ class Sample:
             of = extreme.of
             value = joints[:, of] if isinstance(of, int) else bounded_side(values[of], extreme.side)
             rows.append(extreme.sign * value)
-        return np.where(np.isnan(rows), np.inf, rows).reshape(len(rows), len(self.poses))
+        found = np.array(rows).reshape(len(rows), len(self.poses))
+        if margins and not known.all():
+            outside = -np.fmin.reduce([*margins.values()])
+            found[np.isnan(found) & ~known & (outside > 0) & (outside < JUST)] = -np.inf
+        return np.where(np.isnan(found), np.inf, found)
 
     def _needed(self, conditions: Sequence[Condition], extremes: Sequence[Extreme]) -> list[str]:
         names = [condition.name for condition in conditions if condition.kind == "bound"]

@@ -161,14 +161,14 @@ def _newton(
     offsets += [s * h * (np.eye(d)[i] + np.eye(d)[j]) for i, j in pairs for s in (1, -1)]
     tries = (centre[:, None, :] + np.array(offsets)).reshape(-1, d)
     f = _own(functions, tries, np.repeat(of, len(offsets))).reshape(len(u), len(offsets))
-    plus, minus, f0 = f[:, 1 : d + 1], f[:, d + 1 : 2 * d + 1], f[:, :1]
     usable = np.asarray(np.isfinite(f).all(axis=1))
-    plus, minus, f0 = (np.where(usable[:, None], part, 0.0) for part in (plus, minus, f0))
+    f = np.where(usable[:, None], f, 0.0)
+    plus, minus, f0 = f[:, 1 : d + 1], f[:, d + 1 : 2 * d + 1], f[:, :1]
     slope = (plus - minus) / (2 * h)
     bend = np.zeros((len(u), d, d))
     bend[:, range(d), range(d)] = (plus - 2 * f0 + minus) / h**2
     for k, (i, j) in enumerate(pairs):
-        both = np.where(usable, f[:, 2 * d + 1 + 2 * k] + f[:, 2 * d + 2 + 2 * k], 0.0)
+        both = f[:, 2 * d + 1 + 2 * k] + f[:, 2 * d + 2 + 2 * k]
         cross = both - plus[:, i] - minus[:, i] - plus[:, j] - minus[:, j] + 2 * f0[:, 0]
         bend[:, i, j] = bend[:, j, i] = cross / (2 * h**2)
     held = ((u >= 0.5) & (slope > 0)) | ((u <= -0.5) & (slope < 0))

@@ -106,8 +106,9 @@ class FitProblem:
             for group in groups
         ]
         self.slots = [np.array(list(product((-0.5, 0.0, 0.5), repeat=len(size)))) for _ in groups]
-        first = self._survey(machine, Point(start[0], centres, start[1], np.zeros(0)))[1]
-        self.layout = self.layout.with_reference(np.where(np.isfinite(first), first, 1.0))
+        if objective.extremes:
+            first = self._survey(machine, Point(start[0], centres, start[1], np.zeros(0)))[1]
+            self.layout = self.layout.with_reference(np.where(np.isfinite(first), first, 1.0))
         self.start = self.layout.pack(Point(start[0], centres, start[1], np.array(self.layout.reference)))
         self.lower, self.upper = self.layout.box()
         self.scale = np.ones(len(self.lower))
