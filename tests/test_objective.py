@@ -14,7 +14,7 @@ SPECS = Path(__file__).parents[1] / "specs"
 
 
 def spec_with(name, *overrides):
-    return load_spec(SPECS / name, ["workspace.divisions=10", "optimise.starts=3", *overrides])
+    return load_spec(SPECS / name, ["workspace.divisions=10", "optimise.starts=3", "proof=false", *overrides])
 
 
 def test_the_greater_of_two_legs_ends_in_the_tie_of_equal_legs():
