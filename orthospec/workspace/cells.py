@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from orthospec.arrays import Array, Flags, Poses
 
-FEW = 1 << 17
+FEW = 1 << 19
 """So few nodes are measured sooner than bounded."""
 COARSEST, FINEST = 64, 16
 """Nodes along an edge of the first cells that are bounded and of the last ones.
