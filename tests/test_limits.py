@@ -163,4 +163,7 @@ def test_bounds_that_do_not_bind_are_not_named(spec_of):
 
 def test_prices_are_the_same_numbers_each_time(outcome_of):
     name = "orthoglide-condition"
-    assert solve(load_spec(SPECS / f"{name}.yaml", ["proof=false"])).finding.limits == outcome_of(name).finding.limits
+    assert (
+        solve(load_spec(SPECS / f"{name}.yaml", ["proof=false"])).finding.limits
+        == outcome_of(name).finding.limits
+    )

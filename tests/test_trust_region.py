@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orthospec.composite import trust_region
 from orthospec.composite.subproblem import HalfLines, Rows
 from orthospec.composite.trust_region import Assessment, Ending, minimise
 
@@ -46,6 +47,13 @@ def test_a_vertex_is_reached_at_first_order():
     assert found.x[0] == pytest.approx(np.sqrt(2), abs=1e-9)
     assert found.violation <= 1e-9
     assert found.subproblems <= 12
+
+
+def test_a_vertex_asks_for_no_second_differences(monkeypatch):
+    problem, asked = Scalar(lambda x: x, lambda x: 2 - x * x, lower=0.1), []
+    monkeypatch.setattr(trust_region, "hessian", lambda *_: asked.append(1) or np.zeros((1, 1)))
+    assert minimise(problem, np.array([1.5])).x[0] == pytest.approx(np.sqrt(2), abs=1e-9)
+    assert not asked
 
 
 def test_a_smooth_minimum_is_reached_by_curvature():

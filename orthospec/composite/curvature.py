@@ -4,7 +4,8 @@ A subproblem must be convex, the Hessian need not be. Only along the rows that b
 true for fast convergence; across them it may be what it likes, since there the rows decide the step. So the
 positive part is taken of each of the two blocks, and the rest left out (a reduced Hessian: Nocedal and
 Wright, *Numerical Optimization*, 2006, section 18.7). The positive part of the whole would be too stiff along
-the rows, and a loop with twice the true curvature halves its error with each step and no more.
+the rows, and a loop with twice the true curvature halves its error with each step and no more. At a vertex,
+where rows that hold leave no direction, none is needed.
 """
 
 from __future__ import annotations
@@ -51,12 +52,16 @@ def bound_gradients(step: Step, x: Array, lower: Array, upper: Array) -> Array:
     return np.eye(len(x), len(x) + 1)[held]
 
 
-def convex_part(hessian: Array, gradients: Array) -> Array:
-    """A positive semidefinite (n, n), the Hessian's positive part along the gradients' null space."""
-    n = len(hessian)
-    _, sizes, directions = np.linalg.svd(np.vstack([gradients, np.zeros((n + 1, n + 1))]))
-    free = directions[sizes <= RANK, :n]
-    along, sizes, _ = np.linalg.svd(free.T, full_matrices=True)
+def directions(gradients: Array) -> tuple[Array, Array]:
+    """Orthonormal directions of x along rows (n, c), by their gradients (r, n + 1), and across (n, n − c)."""
+    n = gradients.shape[1] - 1
+    _, sizes, both = np.linalg.svd(np.vstack([gradients, np.zeros((n + 1, n + 1))]))
+    free = both[sizes <= RANK, :n]
+    every, sizes, _ = np.linalg.svd(free.T, full_matrices=True)
     count = int((sizes > RANK).sum())
-    z, y = along[:, :count], along[:, count:]
-    return np.asarray(sum(p @ positive_part(p.T @ hessian @ p) @ p.T for p in (z, y)))
+    return every[:, :count], every[:, count:]
+
+
+def convex_part(hessian: Array, along: Array, across: Array) -> Array:
+    """A positive semidefinite (n, n), the Hessian's positive part along the rows that bind."""
+    return np.asarray(sum(p @ positive_part(p.T @ hessian @ p) @ p.T for p in (along, across)))

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from orthospec.composite.curvature import binding_gradients, bound_gradients, convex_part
+from orthospec.composite.curvature import binding_gradients, bound_gradients, convex_part, directions
 from orthospec.composite.differences import hessian, jacobian
 from orthospec.composite.subproblem import Rows, Step, solve
 
@@ -202,12 +202,14 @@ class _Model:
         return np.clip(self.x + step.delta, self.problem.lower, self.problem.upper)
 
     def bend(self, step: Step, x: Array) -> Array:
-        """A convex stand-in for the Lagrangian's Hessian at x, with the multipliers of a step."""
+        """A convex stand-in for the Lagrangian's Hessian at x, with a step's multipliers; 0 at a vertex."""
         problem = self.problem
-        seen = hessian(self.smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
         held = bound_gradients(step, x, problem.lower, problem.upper)
-        gradients = np.vstack([binding_gradients(self.rows, self.slopes, step), held])
-        return convex_part(seen + problem.drift(x, self.rows, step), gradients)
+        along, across = directions(np.vstack([binding_gradients(self.rows, self.slopes, step), held]))
+        if not along.shape[1] and step.slack <= FEASIBLE:
+            return np.zeros((len(x), len(x)))
+        seen = hessian(self.smooth, step.multipliers, x, problem.scale, problem.lower, problem.upper)
+        return convex_part(seen + problem.drift(x, self.rows, step), along, across)
 
 
 def minimise(
