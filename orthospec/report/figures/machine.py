@@ -121,7 +121,7 @@ def _draw(drawing: Drawing, view: View, palette: Palette) -> Figure:
     span = float((high - low).max())
     axes.set_axis_off()
     room = 0.22 if view.is_along_an_axis else 0.08
-    above = 0.04 if view.is_along_an_axis else 0.06 * (1 + len(drawing.stems))
+    above = 0.04 if view.is_along_an_axis else 0.09 * (1 + len(drawing.stems))
     fit(axes, low - room * span, high + np.array([0.04, above]) * span)
     _parts(axes, drawing, view, palette, span)
     _box(axes, edges(drawing.low, drawing.high), view, palette)
