@@ -28,7 +28,7 @@ from orthospec.measures.forms import least_eigenvalue, semidefinite_logarithm
 from orthospec.mechanics.inertia import at_tool
 
 if TYPE_CHECKING:
-    from orthospec.arrays import Array, Matrices, Poses
+    from orthospec.arrays import Array, Flags, Matrices, Poses
     from orthospec.manipulators import Manipulator
 
 __all__ = ["LowestFrequency"]
@@ -49,22 +49,23 @@ class LowestFrequency(Measure):
         """The frequency at each pose (n,) [Hz]; 0 where the machine is loose or singular."""
         if manipulator.axes != ("x", "y", "z"):
             raise ValueError("lowest_frequency is for machines whose tool translates along x, y and z")
+        product, known = _swinging(manipulator, poses)
+        slowest = np.where(known, symmetric_eigenvalues(product)[:, -1], np.inf)
         with np.errstate(divide="ignore"):
-            slowest = symmetric_eigenvalues(_swinging(manipulator, poses))[:, -1]
-            return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(np.where(np.isnan(slowest), np.inf, slowest))))
+            return np.asarray(1.0 / (2.0 * np.pi * np.sqrt(slowest)))
 
     def form(self, manipulator: Manipulator, poses: Poses, side: str) -> ConvexForm:  # noqa: ARG002
         """λ_min(−½ ln A − ln 2π) >= ln b."""
-        logarithms = semidefinite_logarithm(_swinging(manipulator, poses))
+        logarithms = semidefinite_logarithm(_swinging(manipulator, poses)[0])
         return least_eigenvalue(-0.5 * logarithms - np.log(2.0 * np.pi) * np.eye(3))
 
 
-def _swinging(manipulator: Manipulator, poses: Poses) -> Matrices:
-    """A = Lᵀ C_tt L (n, 3, 3) [s²], G = L Lᵀ; NaN where the machine is loose or singular."""
+def _swinging(manipulator: Manipulator, poses: Poses) -> tuple[Matrices, Flags]:
+    """A = Lᵀ C_tt L (n, 3, 3) [s²], G = L Lᵀ, and where it is known (n,): not where loose or singular."""
     compliance = manipulator.compliance(poses)[:, :3, :3]
     inertia = at_tool(manipulator.inverse_jacobian(poses), manipulator.joint_inertia(poses))
     known = np.isfinite(compliance).all(axis=(1, 2)) & np.isfinite(inertia).all(axis=(1, 2))
     found = np.full(compliance.shape, np.nan)
     factor = np.linalg.cholesky((inertia[known] + np.swapaxes(inertia[known], 1, 2)) / 2)
     found[known] = np.swapaxes(factor, 1, 2) @ compliance[known] @ factor
-    return found
+    return found, known
