@@ -61,16 +61,16 @@ def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: 
 
     ``known`` (n, d) are further points to start from, the critical points of before.
     """
-    lattice = _lattice(nodes, d)
-    points = lattice if known is None else np.vstack([lattice, known])
+    nodal = lattice(nodes, d)
+    points = nodal if known is None else np.vstack([nodal, known])
     values = functions(points)
     starts = []
-    peaked = _local_maxima(values[:, : len(lattice)].reshape(-1, *(nodes,) * d))
-    for row, highest in zip(values[:, : len(lattice)], peaked.reshape(-1, len(lattice)), strict=True):
+    peaked = _local_maxima(values[:, : len(nodal)].reshape(-1, *(nodes,) * d))
+    for row, highest in zip(values[:, : len(nodal)], peaked.reshape(-1, len(nodal)), strict=True):
         chosen = np.flatnonzero(highest)
-        starts.append(_apart(lattice, row, chosen[row[chosen] >= _threshold(row)]))
+        starts.append(_apart(nodal, row, chosen[row[chosen] >= _threshold(row)]))
     for row in values:
-        near = np.flatnonzero(row[len(lattice) :] >= _threshold(row[: len(lattice)])) + len(lattice)
+        near = np.flatnonzero(row[len(nodal) :] >= _threshold(row[: len(nodal)])) + len(nodal)
         starts.append(near[np.argsort(-row[near], kind="stable")][:MOST])
     of = np.repeat([*range(len(values))] * 2, [len(chosen) for chosen in starts])
     first = np.concatenate(starts)
@@ -78,8 +78,8 @@ def find_peaks(functions: Functions, d: int, known: Array | None = None, nodes: 
 
 
 @lru_cache
-def _lattice(nodes: int, d: int) -> Array:
-    """Points (nodes^d, d) over [−1/2, 1/2]^d."""
+def lattice(nodes: int, d: int) -> Array:
+    """Points (nodes^d, d) over [−1/2, 1/2]^d, read-only; of 3 nodes an axis: corners, middles, centre."""
     points = np.array(list(product(np.linspace(-0.5, 0.5, nodes), repeat=d)))
     points.flags.writeable = False
     return points

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +19,7 @@ from orthospec.composite.template import Template
 from orthospec.composite.trust_region import Assessment
 from orthospec.errors import UnbuildableDesign
 from orthospec.workspace.conditions import Condition, Extreme, Sample, conditions_of
-from orthospec.workspace.critical import NODES, find_peaks, worst_points
+from orthospec.workspace.critical import NODES, find_peaks, lattice, worst_points
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.drift import INSIDE, Box, moving_curvature
 from orthospec.workspace.forms import Forms, form_of
@@ -105,7 +104,7 @@ class FitProblem:
             conditions_of(machine.manipulator, [machine.demands[name] for name in group.names], probe)
             for group in groups
         ]
-        self.slots = [np.array(list(product((-0.5, 0.0, 0.5), repeat=len(size)))) for _ in groups]
+        self.slots = [lattice(3, len(size)) for _ in groups]
         if objective.extremes:
             first = self._survey(machine, Point(start[0], centres, start[1], np.zeros(0)))[1]
             self.layout = self.layout.with_reference(np.where(np.isfinite(first), first, 1.0))

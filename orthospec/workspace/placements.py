@@ -20,7 +20,7 @@ from orthospec.intervals import Boxes, Interval
 from orthospec.intervals.linear import Linear
 from orthospec.measures.demand import bounded_side
 from orthospec.workspace.conditions import Sample, conditions_of
-from orthospec.workspace.critical import find_peaks
+from orthospec.workspace.critical import find_peaks, lattice
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.weighing import cannot_all_hold
@@ -118,7 +118,7 @@ class _Search:
         names = [demand.name for demand in self._demands]
         self._case_of = np.array([-1 if c.kind == "joint" else names.index(c.name) for c in self._conditions])
         """The demand that each condition is of, by number; −1 for the reach."""
-        self._places = np.array(list(product((-0.5, 0.0, 0.5), repeat=len(size))))
+        self._places = lattice(3, len(size))
         if largest is not None:
             self._places = np.vstack([self._places, self._critical(largest)])
 
