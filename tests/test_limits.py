@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orthospec.optimise import limits as limits_module
 from orthospec.optimise import solve
 from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
@@ -167,3 +168,12 @@ def test_prices_are_the_same_numbers_each_time(outcome_of):
         solve(load_spec(SPECS / f"{name}.yaml", ["proof=false"])).finding.limits
         == outcome_of(name).finding.limits
     )
+
+
+def test_no_price_is_told_where_a_solve_did_not_come_to_its_end(monkeypatch):
+    """One subproblem is enough where the optimum stays in its place; elsewhere more is to be had."""
+    monkeypatch.setattr(limits_module, "SUBPROBLEMS", 1)
+    spec = load_spec(SPECS / "orthoglide-200.yaml", ["proof=false", "workspace.divisions=4"])
+    found = {(one.name, one.side): (one.gain, one.cost) for one in solve(spec).finding.limits}
+    assert found["transmission", "at_least"] == found["transmission", "at_most"] == (None, None)
+    assert found["leg_length", None] == pytest.approx((0.003, 0.003), abs=1e-8)

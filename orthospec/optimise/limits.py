@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from orthospec.composite.trust_region import FEASIBLE, minimise
+from orthospec.composite.trust_region import FEASIBLE, Ending, minimise
 from orthospec.optimise.attain import Attained, Pressure
 from orthospec.optimise.objective import Learnt
 from orthospec.optimise.place import Fit, Place, fit_at, fit_finely
@@ -166,6 +166,8 @@ def _goal_bindings(fit: Fit, found: Attained) -> Iterator[_Binding]:
 def _priced(found: Attained, binding: _Binding, factors: Mapping[_Shift | None, float | None]) -> Limit:
     best = found.factor * found.unit
     looser, tighter = (factors.get(shift) for shift in (binding.loosened, binding.tightened))
+    if any(factor is not None and math.isnan(factor) for factor in (looser, tighter)):
+        return binding.limit
     noise = ROUNDING * found.unit
     gain = None if looser is None else _price(best - looser * found.unit, noise)
     cost = None if tighter is None else _price(tighter * found.unit - best, noise)
@@ -178,7 +180,7 @@ def _price(price: float, noise: float) -> float:
 
 
 def factor_moved(space: DesignSpace, move: _Move, _: Progress | None = None) -> float | None:
-    """The factor with one thing moved; None where nothing feasible is near."""
+    """The factor with one thing moved; None where nothing feasible is near, NaN where that is left open."""
     shift, limits = move.shift, move.end.limits(space)
     if shift.variable is not None:
         limits = replace(limits, design=_moved(limits.design, *shift.variable))
@@ -191,6 +193,8 @@ def factor_moved(space: DesignSpace, move: _Move, _: Progress | None = None) -> 
         relaxed=dict([shift.condition]) if shift.condition else None,
     ).problem
     solved = minimise(problem, problem.start, most=SUBPROBLEMS, radius=0.05)
+    if solved.ending is Ending.EXHAUSTED:
+        return math.nan
     return float(solved.factor) if solved.violation <= FEASIBLE else None
 
 
