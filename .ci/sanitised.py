@@ -21,6 +21,7 @@ tests = [
         "test_largest_cubes.py",
         "test_chain_kernel.py",
         "test_small_matrices.py",
+        "test_fused.py",
         "test_instruction_sets.py",
     )
 ]

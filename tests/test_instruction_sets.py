@@ -15,6 +15,7 @@ from orthospec.kernels import (
     cube_ends,
     cube_sizes,
     gram_eigenvalues,
+    intervals,
     largest_cube,
     leg_margins,
     legs_compliance,
@@ -65,6 +66,12 @@ def compliances() -> tuple[np.ndarray, np.ndarray]:
 FIELD = np.random.default_rng(4).choice([0.5, 1.5, np.nan], (22 * 33 * 129, 2), p=[0.97, 0.02, 0.01])
 WITHIN = [Within(values, (22, 33, 129), 0.0, 1.0) for values in (FIELD, FIELD[:, 0], FIELD[:, 1].copy())]
 
+QUANTITIES = [
+    tuple(np.where(RANDOM.random(part) < 0.05, RANDOM.choice(SPECIAL, part), RANDOM.standard_normal(part))
+          for part in ((70, 4, 4), (70, 4, 4), (70, 4, 4), (70, 4, 4, 3), (70, 4, 4)))
+    for _ in range(2)
+]  # fmt: skip
+
 KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
     "cube_sizes": lambda: [
         cube_sizes(np.random.default_rng(3).random(shape) < 0.97) for shape in ((40, 50, 61), (256, 257, 258))
@@ -86,6 +93,12 @@ KERNELS: dict[str, Callable[[], Sequence[np.ndarray]]] = {
         for one in legs_compliance(legs, feet, close_legs(GEOMETRY, POSES)[1])
     ],
     "close_legs": lambda: close_legs(GEOMETRY, POSES),
+    "intervals": lambda: [
+        intervals.add_intervals(*QUANTITIES, (70, 4, 4), 3),
+        intervals.multiply_intervals(*QUANTITIES, (70, 4, 4), 3),
+        intervals.narrow_intervals(QUANTITIES[0], (70, 4, 4), 3),
+        intervals.contract_intervals(QUANTITIES[0], b"\0\1\3", QUANTITIES[1], b"\0\3\2", (70, 4, 4), 3),
+    ],
     "leg_margins": lambda: [leg_margins(SCALES, *close_legs(GEOMETRY, POSES)[1::2])],
 }
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orthospec.intervals import ends, linear, rearranging
+from orthospec.intervals import ends, fused, linear, rearranging
 from orthospec.intervals.interval import PLAIN, Interval, Undecided, as_interval
-from orthospec.intervals.linear import Bilinear, Linear
+from orthospec.intervals.linear import Linear
 from orthospec.intervals.refusal import refuse
 from orthospec.intervals.rounding import ULP
 
@@ -94,7 +94,7 @@ def einsum(subscripts: Any, *operands: Any, out: Any = None, optimize: Any = Non
     if operands[0] is operands[1] and names[0] == names[1]:
         squares: Any = np.square(operands[0])
         return _sum_over(names[0], result, squares)
-    return _contract(names[0], names[1], result, as_interval(operands[0]), as_interval(operands[1]))
+    return fused.contract(names[0], names[1], result, as_interval(operands[0]), as_interval(operands[1]))
 
 
 def _sum_over(name: str, out: str, x: Interval) -> Interval:
@@ -117,22 +117,6 @@ def _sum_over(name: str, out: str, x: Interval) -> Interval:
 def _einsum_tail(name: str, out: str, part: Array, own: int) -> Array:
     tail = "Z" * (part.ndim - own)
     return np.asarray(np.einsum(f"{name}{tail}->{out}{tail}", part))
-
-
-def _contract(left: str, right: str, out: str, a: Interval, b: Interval) -> Interval:
-    sizes = _sizes((left, a), (right, b))
-    by = Bilinear(
-        plain=lambda x, y: np.einsum(f"{left},{right}->{out}", x, y),
-        left=lambda x, y: np.einsum(f"{left}Z,{right}->{out}Z", x, y),
-        right=lambda x, y: np.einsum(f"{left},{right}Z->{out}Z", x, y),
-        both=lambda x, y: np.einsum(f"{left}Z,{right}Z->{out}", x, y),
-        terms=int(np.prod([n for s, n in sizes.items() if s not in out])),
-    )
-    d = a.coordinates or b.coordinates
-    factors = [x.lo if x.lo is x.hi else x.form_over(d) for x in (a, b)]
-    balls = [x.lo if x.lo is x.hi else linear.flat(x.ends, 0) for x in (a, b)]
-    lo, hi = linear.product(by, *balls).ends
-    return Interval(lo, hi, linear.product(by, *factors) if d else None).narrowed()
 
 
 def _sizes(*named: tuple[str, Interval]) -> dict[str, int]:

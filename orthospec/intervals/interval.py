@@ -15,6 +15,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from orthospec.intervals import linear
 from orthospec.intervals.linear import Linear
 from orthospec.intervals.refusal import refuse
+from orthospec.kernels.intervals import narrow_intervals
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -123,17 +124,16 @@ class Interval(_Dispatched):
         """Its mean-value form, or one that knows nothing of the d coordinates."""
         return linear.flat(self.ends, d) if self.form is None else self.form
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether it is made of numbers: its ends are one array."""
+        return self.lo is self.hi
+
     def narrowed(self) -> Interval:
         """Its ends where its form gives narrower ones."""
         if self.form is None:
             return self
-        lo, hi = self.form.ends
-        lo, hi = np.where(lo > self.lo, lo, self.lo), np.where(hi < self.hi, hi, self.hi)
-        form, known = self.form, linear.is_known(self.form)
-        if not known.all():
-            other = linear.flat((lo, hi), form.g.shape[-1])
-            form = Linear(*(np.where(_spread(known, a), a, b) for a, b in zip(form, other, strict=True)))
-        return Interval(lo, hi, form)
+        return of_rows(narrow_intervals(known_of(self), self.shape, self.coordinates))
 
     def __repr__(self) -> str:
         """Both ends."""
@@ -269,13 +269,31 @@ def as_interval(x: Any) -> Interval:
     return Interval(number, number)
 
 
+def known_of(x: Interval) -> tuple[Array, ...]:
+    """What is known of an interval, as the kernels take it."""
+    if x.is_exact:
+        return (_numbers(x.lo),)
+    return tuple(map(_numbers, (x.lo, x.hi, *(x.form or ()))))
+
+
+def of_rows(rows: Array) -> Interval:
+    """The interval that a kernel has found."""
+    lo, hi = rows[0, ...], rows[1, ...]
+    if len(rows) == 2:
+        return Interval(lo, hi)
+    slopes = rows[4:].transpose((*range(1, rows.ndim), 0))
+    return Interval(lo, hi, Linear(rows[2, ...], slopes, rows[3, ...]))
+
+
+def _numbers(part: Array) -> Array:
+    """As the kernels read them."""
+    numbers = np.asarray(part, dtype=float)
+    return numbers if numbers.flags.aligned else numbers.copy()
+
+
 def _own(form: Linear) -> Linear:
     slopes = np.moveaxis(np.array(np.moveaxis(form.g, -1, 0), order="C"), 0, -1)
     return Linear(np.array(form.c, order="C"), slopes, np.array(form.r, order="C"))
-
-
-def _spread(known: Any, like: Array) -> Any:
-    return known if like.ndim == known.ndim else known[..., None]
 
 
 def _before_last(key: Any) -> Any:

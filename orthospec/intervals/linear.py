@@ -11,7 +11,7 @@ All three are doubles: c and r have the shape of the quantity, g one more axis o
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -45,28 +45,6 @@ class Linear(NamedTuple):
         return ends.outward(self.c - spread, self.c + spread)
 
 
-class Bilinear(NamedTuple):
-    """A product of arrays, linear in both: on values, and with the axis of u at the end of either or both."""
-
-    plain: Callable[[Any, Any], Any]
-    left: Callable[[Any, Any], Any]
-    right: Callable[[Any, Any], Any]
-    both: Callable[[Any, Any], Any]
-    """With u summed over."""
-    terms: int
-    """Products that are added up for one entry."""
-
-
-ENTRIES = Bilinear(
-    plain=lambda a, b: a * b,
-    left=lambda a, b: a * np.asarray(b)[..., None],
-    right=lambda a, b: np.asarray(a)[..., None] * b,
-    both=lambda a, b: (a * b).sum(axis=-1),
-    terms=1,
-)
-"""The product entry by entry."""
-
-
 def flat(x: Ends, d: int) -> Linear:
     """An interval as a form that knows nothing of u."""
     with np.errstate(all="ignore"):
@@ -80,43 +58,9 @@ def is_known(x: Linear) -> Flags:
     return np.asarray(np.isfinite(x.r) & np.isfinite(x.c) & np.isfinite(x.g).all(axis=-1))
 
 
-def add(x: Linear, y: Linear | Array) -> Linear:
-    """x + y."""
-    if not isinstance(y, Linear):
-        c = x.c + y
-        g = np.array(np.broadcast_to(x.g, (*c.shape, x.g.shape[-1])))
-        return Linear(c, g, np.broadcast_to(x.r, c.shape) * SPARE + (ULP * np.abs(c) + TINY))
-    c, g = x.c + y.c, x.g + y.g
-    return _rounded(c, g, x.r + y.r, np.abs(c) + np.abs(g).sum(axis=-1))
-
-
 def negative(x: Linear) -> Linear:
     """−x."""
     return Linear(-x.c, -x.g, x.r.copy())
-
-
-def product(by: Bilinear, x: Linear | Array, y: Linear | Array) -> Linear:
-    """x times y, one of them at least a form.
-
-    Of Σ g_k u_k times Σ h_l u_l the terms of u_k² lie between 0 and g_k h_k: half of it goes into the middle.
-    """
-    if not isinstance(y, Linear):
-        assert isinstance(x, Linear)
-        y = np.asarray(y)
-        c, g, r, size = by.plain(x.c, y), by.left(x.g, y), by.plain(x.r, np.abs(y)), _sizes(x)
-        return _rounded(c, g, r, by.plain(size, np.abs(y)), by.terms)
-    if not isinstance(x, Linear):
-        x = np.asarray(x)
-        c, g, r, size = by.plain(x, y.c), by.right(x, y.g), by.plain(np.abs(x), y.r), _sizes(y)
-        return _rounded(c, g, r, by.plain(np.abs(x), size), by.terms)
-    left, right = np.abs(x.g), np.abs(y.g)
-    spreads = x.spread, y.spread
-    c = by.plain(x.c, y.c) + by.both(x.g, y.g) / 2
-    g = by.left(x.g, y.c) + by.right(x.c, y.g)
-    r = by.plain(np.abs(x.c), y.r) + by.plain(x.r, np.abs(y.c))
-    r = r + (by.plain(*spreads) - by.both(left, right) / 2)
-    size = by.plain(np.abs(x.c) + spreads[0], np.abs(y.c) + spreads[1])
-    return _rounded(c, g, r, size, by.terms)
 
 
 def taylor(x: Linear, within: Ends, value: Array, slope: Array, bend: Ends) -> Linear:
@@ -126,19 +70,19 @@ def taylor(x: Linear, within: Ends, value: Array, slope: Array, bend: Ends) -> L
     lo, hi = np.minimum(bend[0], 0.0) * square, np.maximum(bend[1], 0.0) * square
     size = np.abs(value) + np.abs(slope) * (spread + x.spread) + (hi - lo)
     rest = np.abs(slope) * x.r + (hi - lo) / 2
-    return _rounded(value + (lo + hi) / 2, slope[..., None] * x.g, rest, size)
+    return rounded(value + (lo + hi) / 2, slope[..., None] * x.g, rest, size)
 
 
 def linear(x: Linear, on: Callable[[Array], Array], terms: int) -> Linear:
     """A sum of so many entries; ``on`` takes arrays with any axes after the quantity's own."""
-    return _rounded(np.array(on(x.c)), np.array(on(x.g)), on(x.r), on(_sizes(x)), terms)
+    return rounded(np.array(on(x.c)), np.array(on(x.g)), on(x.r), on(_sizes(x)), terms)
 
 
 def _sizes(x: Linear) -> Array:
     return np.asarray(np.abs(x.c) + np.abs(x.g).sum(axis=-1) + x.r)
 
 
-def _rounded(c: Array, g: Array, r: Array, size: Array, terms: int = 1) -> Linear:
-    """With the rounding of sums of so many terms, and of a handful of operations beside, put into r."""
+def rounded(c: Array, g: Array, r: Array, size: Array, terms: int = 1) -> Linear:
+    """A form with the rounding of sums of so many terms, and of a handful of operations, put into r."""
     d = g.shape[-1]
     return Linear(c, g, np.maximum(r, 0.0) * SPARE + ((terms + d) * ULP + FEW) * size + TINY)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orthospec.intervals import ends, functions, linear
+from orthospec.intervals import ends, functions, fused, linear
 from orthospec.intervals.interval import PLAIN, Interval, Undecided, as_interval
-from orthospec.intervals.linear import ENTRIES, Linear
+from orthospec.intervals.linear import Linear
 from orthospec.intervals.refusal import refuse
 from orthospec.intervals.rounding import ULP
 
@@ -39,12 +39,7 @@ def call_ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: di
 
 def add(x: Any, y: Any) -> Interval:
     """x + y."""
-    a, b = as_interval(x), as_interval(y)
-    form = None
-    if d := _coordinates(a, b):
-        first, second = (a, b) if a.form is not None or _is_wide(a) else (b, a)
-        form = linear.add(first.form_over(d), second.form_over(d) if _is_wide(second) else second.lo)
-    return _joined(ends.add(a.ends, b.ends), form)
+    return fused.add(as_interval(x), as_interval(y))
 
 
 def subtract(x: Any, y: Any) -> Interval:
@@ -55,7 +50,7 @@ def subtract(x: Any, y: Any) -> Interval:
 def negative(x: Any) -> Interval:
     """−x."""
     a = as_interval(x)
-    if a.lo is a.hi:
+    if a.is_exact:
         return as_interval(-a.lo)
     return Interval(*ends.negative(a.ends), a.form and linear.negative(a.form))
 
@@ -64,21 +59,16 @@ def multiply(x: Any, y: Any) -> Interval:
     """The product entry by entry."""
     if x is y:
         return square(x)
-    a, b = as_interval(x), as_interval(y)
-    form = None
-    if d := _coordinates(a, b):
-        form = linear.product(ENTRIES, _factor(a, d), _factor(b, d))
-    return _joined(ends.multiply(a.ends, b.ends), form)
+    return fused.multiply(as_interval(x), as_interval(y))
 
 
 def divide(x: Any, y: Any) -> Interval:
     """x / y."""
     a, b = as_interval(x), as_interval(y)
     form = None
-    if d := _coordinates(a, b):
-        inverse = _reciprocal(b.form_over(d), b.ends) if _is_wide(b) else 1.0 / b.lo
-        form = linear.product(ENTRIES, _factor(a, d), inverse)
-        if not isinstance(inverse, Linear):  # 1/b was rounded.
+    if d := fused.coordinates(a, b):
+        form = fused.multiply(a, _reciprocal(b, d)).form_over(d)
+        if b.is_exact:  # 1/b was rounded.
             form = form._replace(r=form.r + (np.abs(form.c) + form.spread) * ULP)
     return _joined(ends.divide(a.ends, b.ends), form)
 
@@ -155,28 +145,21 @@ def _smooth(
     return apply
 
 
-def _reciprocal(form: Linear, within: Ends) -> Linear:
-    around = np.minimum(within[0], form.c), np.maximum(within[1], form.c)
+def _reciprocal(x: Interval, d: int) -> Interval:
+    """1/x, rounded where x are numbers."""
+    if x.is_exact:
+        return as_interval(1.0 / x.lo)
+    form = x.form_over(d)
+    around = np.minimum(x.lo, form.c), np.maximum(x.hi, form.c)
     c = form.c
     bend = ends.divide(_constant(1.0), ends.power(around, 3))
-    return linear.taylor(form, within, 1.0 / c, -1.0 / (c * c), bend)
+    inverse = linear.taylor(form, x.ends, 1.0 / c, -1.0 / (c * c), bend)
+    return Interval(*ends.divide(_constant(1.0), x.ends), inverse)
 
 
 def _constant(value: float) -> Ends:
     one = np.asarray(value)
     return one, one
-
-
-def _is_wide(x: Interval) -> bool:
-    return x.lo is not x.hi
-
-
-def _factor(x: Interval, d: int) -> Any:
-    return x.form_over(d) if _is_wide(x) else x.lo
-
-
-def _coordinates(a: Interval, b: Interval) -> int:
-    return a.coordinates or b.coordinates
 
 
 def _joined(found: Ends, form: Linear | None) -> Interval:

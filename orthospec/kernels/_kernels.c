@@ -4,6 +4,7 @@
  * is not needed to build it.
  */
 #include "arguments.h"
+#include "intervals.h"
 #include "kernels.h"
 
 /* The kernels in use: the best that this processor can run, unless another choice was made. */
@@ -484,6 +485,26 @@ static PyObject *leg_margins(PyObject *Py_UNUSED(module), PyObject *arguments)
     return release_all(views, 4, problem);
 }
 
+static PyObject *add(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    return add_intervals(in_use, arguments);
+}
+
+static PyObject *multiply(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    return multiply_intervals(in_use, arguments);
+}
+
+static PyObject *narrow(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    return narrow_intervals(in_use, arguments);
+}
+
+static PyObject *contract(PyObject *Py_UNUSED(module), PyObject *arguments)
+{
+    return contract_intervals(in_use, arguments);
+}
+
 static PyObject *instruction_sets(PyObject *Py_UNUSED(module), PyObject *Py_UNUSED(none))
 {
     PyObject *const names = PyList_New(0);
@@ -539,6 +560,12 @@ static PyMethodDef methods[] = {
      "close_legs(geometry, poses, rho, s, along, closing)\n--\n\nThe loops of three legs on slides."},
     {"leg_margins", leg_margins, METH_VARARGS,
      "leg_margins(scales, s, closing, margins)\n--\n\nHow far three legs are from their singularities."},
+    {"add_intervals", add, METH_VARARGS, "add_intervals(x, y, out)\n--\n\nThe sum, entry by entry; y may be numbers."},
+    {"multiply_intervals", multiply, METH_VARARGS, "multiply_intervals(x, y, out)\n--\n\nThe product, entry by entry."},
+    {"narrow_intervals", narrow, METH_VARARGS,
+     "narrow_intervals(x, out)\n--\n\nThe narrower of the ends and the form, entry by entry."},
+    {"contract_intervals", contract, METH_VARARGS,
+     "contract_intervals(x, x_axes, y, y_axes, out)\n--\n\nSums of products over named axes."},
     {"instruction_sets", instruction_sets, METH_NOARGS,
      "instruction_sets()\n--\n\nThose that the kernels are there for and this processor has, the best first."},
     {"use", use, METH_VARARGS, "use(name)\n--\n\nTake the kernels of this instruction set from now on."},

@@ -8,7 +8,7 @@ static const char *mismatch(const Py_buffer *view, const Argument *wanted, PyObj
     if (view->format == NULL || strlen(view->format) != 1 || strchr(wanted->formats, view->format[0]) == NULL)
         return "has the wrong type of element";
     *exception = PyExc_ValueError;
-    if (view->ndim != wanted->dimensions)
+    if (wanted->dimensions != ANY_DIMENSIONS && view->ndim != wanted->dimensions)
         return "has the wrong number of dimensions";
     if (wanted->access != READ_STRIDED && !PyBuffer_IsContiguous(view, 'C'))
         return "is not C-contiguous";
@@ -27,8 +27,12 @@ int take(PyObject *array, Py_buffer *view, const Argument *wanted)
     const char *problem = mismatch(view, wanted, &exception);
     if (problem == NULL)
         return 0;
-    PyErr_Format(exception, "%s %s: expected %s array of %s with %d dimensions", wanted->name, problem,
-                 wanted->access == READ_STRIDED ? "an" : "a C-contiguous", wanted->type, wanted->dimensions);
+    const char *const array_of = wanted->access == READ_STRIDED ? "an array of" : "a C-contiguous array of";
+    if (wanted->dimensions == ANY_DIMENSIONS)
+        PyErr_Format(exception, "%s %s: expected %s %s", wanted->name, problem, array_of, wanted->type);
+    else
+        PyErr_Format(exception, "%s %s: expected %s %s with %d dimensions", wanted->name, problem, array_of,
+                     wanted->type, wanted->dimensions);
     PyBuffer_Release(view);
     return -1;
 }

@@ -7,6 +7,8 @@
 
 typedef enum { READ, READ_STRIDED, WRITTEN } Access;
 
+enum { ANY_DIMENSIONS = -1 };
+
 /* What an argument has to be: its buffer formats, one letter each, and how many dimensions. */
 typedef struct {
     const char *name;

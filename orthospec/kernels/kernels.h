@@ -107,6 +107,75 @@ static inline size_t room_for_cubes(const Nodes *nodes, size_t planes)
     return (planes + 3) * nodes->shape[1] * words_of_row(nodes);
 }
 
+/* Kernels that go through numbers side by side take so many at a time, and so many quantities known by bounds. */
+enum { GROUP = 32, INTERVAL_BLOCK = 256 };
+
+/* One number of each node of a group. */
+typedef struct {
+    double of[GROUP];
+} Lanes;
+
+/* Quantities of which only bounds are known: their ends and, over boxes of d > 0 coordinates, their mean-value forms
+ * c + sum_k g_k u_k with a rest of at most r. The slopes g_k stand `next` numbers apart. */
+typedef struct {
+    const double *lo, *hi, *c, *r, *g;
+    ptrdiff_t next;
+    int exact; /* numbers: both ends are one, and the forms have neither slopes nor a rest */
+} Known;
+
+typedef struct {
+    double *lo, *hi, *c, *r, *g;
+    ptrdiff_t next;
+} Found;
+
+/* What is added for rounding: see orthospec/intervals/rounding.py. */
+#define INTERVAL_ULP 0x1p-52
+#define INTERVAL_TINIEST 0x1p-1074
+#define INTERVAL_TINY 1e-300
+#define INTERVAL_SPARE (1.0 + 0x1p-45)
+#define INTERVAL_FEW 0x1p-48
+
+/* The greater of two numbers; NaN where one is. */
+static inline double greater_of(double a, double b)
+{
+    return a > b || a != a ? a : b;
+}
+
+/* How far lo and hi are from m at most. */
+static inline double interval_radius(double lo, double hi, double m)
+{
+    return greater_of(hi - m, m - lo) * INTERVAL_SPARE + INTERVAL_TINY;
+}
+
+typedef enum { NUMBERS, WITHOUT_FORMS, WITH_FORMS } Knowledge;
+
+/* One factor of sums of products, for a group of lanes: `interval_width` numbers of each of its `count` entries, of
+ * which ends and forms stand there when it is `fresh`. The entry of output p and term t is of_out[p] + of_term[t]. */
+typedef struct {
+    Lanes *entries;
+    size_t count;
+    Knowledge kind;
+    int fresh;
+    const size_t *of_out, *of_term;
+} Factor;
+
+typedef struct {
+    Factor x, y;
+    size_t outs, terms, d;
+} Contraction;
+
+/* Numbers that a factor has of each entry: middle, radius, c, r, spread and slopes. */
+static inline size_t interval_width(size_t d)
+{
+    return d > 0 ? 5 + d : 2;
+}
+
+/* Numbers of a result: lo, hi and, with forms, c, r and slopes. */
+static inline size_t interval_rows(size_t d)
+{
+    return d > 0 ? 4 + d : 2;
+}
+
 /* One instruction set's kernels. */
 typedef struct {
     const char *name;
@@ -139,6 +208,12 @@ typedef struct {
     void (*close_legs)(const Slides *slides, const ClosedLegs *legs);
     /* The margins of the three legs, of the volume and of the pairs (5 x count). */
     void (*leg_margins)(const LegRoom *room, double *margins);
+    /* Of up to INTERVAL_BLOCK quantities, x + y (y may be exact), x y, and the narrower of the ends and the form of x. */
+    void (*add_intervals)(const Known *x, const Known *y, size_t count, size_t d, const Found *out);
+    void (*multiply_intervals)(const Known *x, const Known *y, size_t count, size_t d, const Found *out);
+    void (*narrow_intervals)(const Known *x, size_t count, size_t d, const Found *out);
+    /* Sums of products: `interval_rows` numbers of each output. */
+    void (*contract_intervals)(const Contraction *by, Lanes *out);
 } Kernels;
 
 /* Those that this processor can run, the best first; ends with NULL. */

@@ -12,6 +12,7 @@
 #include "legs.inc"
 #include "pack.inc"
 #include "largest_cubes.inc"
+#include "intervals.inc"
 
 const Kernels VARIANT = {
     .name = NAME,
@@ -29,4 +30,8 @@ const Kernels VARIANT = {
     .legs_compliance = legs_compliance,
     .close_legs = close_legs,
     .leg_margins = leg_margins,
+    .add_intervals = add_intervals,
+    .multiply_intervals = multiply_intervals,
+    .narrow_intervals = narrow_intervals,
+    .contract_intervals = contract_intervals,
 };
