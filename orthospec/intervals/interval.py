@@ -154,7 +154,10 @@ class Interval(_Dispatched):
         """Put numbers or an interval in place of a part."""
         value = as_interval(value)
         if not self.lo.flags.writeable:
-            raise refuse("a view or block of poses, changed in place,", "write a = a + b in place of a += b")
+            raise refuse(
+                "a view, or what others are given too, changed in place,",
+                "write a = a + b in place of a += b",
+            )
         self.lo[key], self.hi[key] = value.lo, value.hi
         if self.form is None and value.form is not None:
             self.form = _own(linear.flat(self.ends, value.coordinates))

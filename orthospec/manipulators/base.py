@@ -10,7 +10,9 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, cast
 
 from pydantic import ConfigDict, PrivateAttr
@@ -45,6 +47,18 @@ class ActuatorLimits(NamedTuple):
     """Coulomb friction, which takes its part of the force [N or N*m]."""
 
 
+class _Memory(dict[str, tuple[object, Any]]):
+    """Fields over the block in hand: no part of what a machine is, and not sent to other processes."""
+
+    __hash__ = None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Memory)
+
+    def __reduce__(self) -> tuple[type[_Memory], tuple[()]]:
+        return _Memory, ()
+
+
 class Manipulator(Described, ABC):
     """One design: a frozen pydantic model of numbers whose fields are the spec's keys.
 
@@ -62,7 +76,7 @@ class Manipulator(Described, ABC):
     toleranced: ClassVar[Mapping[str, str]] = {}
     """Fields that may be off by a tolerance, with their units: `varied` machines have arrays in them."""
 
-    _memory: dict[str, tuple[object, Any]] = PrivateAttr(default_factory=dict)
+    _memory: _Memory = PrivateAttr(default_factory=_Memory)
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Let each field over the poses remember the block in hand, and name the machine that fails.
@@ -84,6 +98,15 @@ class Manipulator(Described, ABC):
         """
         own = {name: getattr(self, name) for name in type(self).model_fields}
         return cast("Self", self.model_construct(**{**own, **fields}))
+
+    def __copy__(self) -> Self:
+        """What `model_copy` changes: the fields alone, for what was computed from them is not the copy's."""
+        return self.varied({})
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """The same with fields of its own."""
+        fields = {name: deepcopy(getattr(self, name), memo) for name in type(self).model_fields}
+        return cast("Self", self.model_construct(**fields))
 
     @abstractmethod
     def inverse_kinematics(self, poses: Poses) -> tuple[Joints, Flags]:
@@ -200,7 +223,10 @@ Computed = TypeVar("Computed")
 
 
 def remembering(method: Callable[[Any, Poses], Computed]) -> Callable[[Any, Poses], Computed]:
-    """The method, its last value kept for as long as the same read-only block is asked about."""
+    """The method, its last value kept for as long as the same read-only block is asked about.
+
+    The next one who asks is given the same arrays, so that they are read-only too.
+    """
     name = method.__name__
 
     @functools.wraps(method)
@@ -209,8 +235,23 @@ def remembering(method: Callable[[Any, Poses], Computed]) -> Callable[[Any, Pose
         if held is not None and held[0] is poses:
             return cast("Computed", held[1])
         value = method(self, poses)
-        if not (isinstance(poses, np.ndarray) and poses.flags.writeable):
+        # An interval's numbers are its ends.
+        if not getattr(poses, "lo", poses).flags.writeable:
+            value = _read_only(value)
             self._memory[name] = (poses, value)
         return value
 
     return remembered
+
+
+def _read_only(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+    elif isinstance(value, Mapping):
+        return MappingProxyType({key: _read_only(part) for key, part in value.items()})
+    elif isinstance(value, tuple):
+        for part in value:
+            _read_only(part)
+    else:
+        value.make_read_only()
+    return value
