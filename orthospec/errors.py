@@ -108,13 +108,3 @@ class NoEnclosure(OrthospecError):
     """Code that cannot be carried over whole boxes of poses, so that nothing is proved of it."""
 
     exit_code = 5
-
-    def __init__(self, place: str, what: str, instead: str) -> None:
-        self.place = place
-        self.what = what
-        self.instead = instead
-        super().__init__(place, what, instead)
-
-    def __str__(self) -> str:
-        """Where, what, and the way out."""
-        return f"{self.place}: {self.what} knows numbers only, not intervals: {self.instead}"

@@ -272,3 +272,29 @@ def test_what_is_not_served_is_refused_and_never_passed_over(name):
     function, words = REFUSED[name]
     with pytest.raises(NoEnclosure, match=re.escape(words)):
         function(boxes_of(0.1).poses)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda p: np.zeros_like(p, dtype=int),
+        lambda p: np.full_like(p, 0.5, dtype=np.float32),
+        lambda p: np.ones_like(p, shape=3, dtype=bool),
+        lambda p: np.sqrt(p + 2, dtype=np.float16),
+        lambda p: np.add(p, 1, dtype=np.float32),
+        lambda p: np.add.reduce(p, axis=1, dtype=np.float32),
+        lambda p: np.sum(p, dtype=np.float32),
+        lambda p: np.stack([p, p], dtype=np.float32),
+        lambda p: np.concatenate([p, p], dtype=int),
+    ],
+)
+def test_numbers_of_another_type_are_refused(function):
+    """They are rounded to it, or cut off, and what is rounded so would lie outside."""
+    with pytest.raises(NoEnclosure, match="a result of another type or in place knows numbers only"):
+        function(boxes_of(0.1).poses)
+
+
+def test_the_type_of_the_numbers_themselves_may_be_named():
+    p = boxes_of(0.1).poses
+    for same in (np.zeros_like(p, dtype=float), np.add(p, 0, dtype=np.float64), np.stack([p], dtype="d")):
+        assert same.shape[-1] == 3

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
 from orthospec import registry
+from orthospec.intervals import Interval
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Demand, Measure
@@ -146,6 +148,14 @@ class Faulty(Spike):
         return super().values(manipulator, poses)
 
 
+class Swapped(Spike):
+    """Gives its ends the wrong way round."""
+
+    def enclosure(self, manipulator, boxes):
+        found = super().enclosure(manipulator, boxes)
+        return Interval(found.hi + 1.0, found.lo)
+
+
 class Silent(Spike):
     """Has no enclosure to give."""
 
@@ -155,14 +165,37 @@ class Silent(Spike):
 
 @pytest.mark.parametrize(
     ("measure", "words"),
-    [(Masked(), "np.stack"), (Faulty(), "an array was expected"), (Silent(), "Silent gives no enclosure")],
+    [
+        (Masked(), "np.stack"),
+        (Faulty(), "an array was expected"),
+        (Silent(), "Silent gives no enclosure"),
+        (Swapped(), "Swapped gives an enclosure whose lower end lies above the upper one"),
+    ],
 )
 def test_without_enclosure_nothing_is_claimed_and_the_reason_told(measure, words):
     claim = claims_of(orthoglide(), measure, {"at_most": 2.0})["it", "at_most"]
     assert claim.verdict == "undecided"
     assert words in claim.why
-    if not isinstance(measure, Silent):
-        assert claim.why.startswith(f"{__file__}:")
+    # Results tell of it, and have no paths in them.
+    assert str(Path(__file__).parent) not in claim.why
+    if not isinstance(measure, Silent | Swapped):
+        assert claim.why.startswith(f"{__name__}, line ")
+
+
+class Sure(Spike):
+    """Claims that no value lies above 1.05, where the greatest one is 1.13."""
+
+    def values(self, manipulator, poses):  # noqa: ARG002
+        return 1.0 + np.abs(poses[:, 0])
+
+    def enclosure(self, manipulator, boxes):  # noqa: ARG002
+        return Interval(np.ones(len(boxes)), np.full(len(boxes), 1.05))
+
+
+def test_an_enclosure_that_a_value_contradicts_proves_nothing():
+    claim = claims_of(orthoglide(), Sure(), {"at_most": 1.05})["it", "at_most"]
+    assert claim.verdict == "refuted"
+    assert abs(claim.at[0]) == pytest.approx(0.1268, abs=1e-4)
 
 
 def test_budgets_end_the_search():

@@ -10,7 +10,7 @@ import numpy as np
 from orthospec.intervals import ends, fused, linear, rearranging
 from orthospec.intervals.interval import PLAIN, Interval, Undecided, as_interval
 from orthospec.intervals.linear import Linear
-from orthospec.intervals.refusal import refuse
+from orthospec.intervals.refusal import check_plain, refuse
 from orthospec.intervals.rounding import ULP
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def call_function(func: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[
 
 def total(x: Any, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Interval:
     """The sum along axes."""
-    _check_plain(dtype, out)
+    check_plain(dtype, out)
     axes = tuple(range(x.ndim)) if axis is None else tuple(int(a) % x.ndim for a in np.atleast_1d(axis))
     found = ends.total(x.ends, axes, keepdims)
     if x.form is None:
@@ -48,18 +48,13 @@ def total(x: Any, axis: Any = None, dtype: Any = None, out: Any = None, keepdims
     return Interval(*found, form).narrowed()
 
 
-def _check_plain(dtype: Any, out: Any) -> None:
-    if dtype not in (None, float) or out is not None:
-        raise refuse("a result of another type or in place", "leave out 'dtype' and 'out'")
-
-
 def _mean(x: Interval, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Any:
     sums = total(x, axis, dtype, out, keepdims)
     return sums / (x.size / max(1, sums.size))
 
 
 def _prod(x: Interval, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Any:
-    _check_plain(dtype, out)
+    check_plain(dtype, out)
     if axis is None:
         x, axis = x.reshape(-1), 0
     found: Any = np.ones(())
@@ -81,7 +76,7 @@ def matmul(a: Any, b: Any) -> Any:
 
 def einsum(subscripts: Any, *operands: Any, out: Any = None, optimize: Any = None) -> Interval:  # noqa: ARG001
     """Sums of products of one or two arrays, in NumPy's notation."""
-    _check_plain(None, out)
+    check_plain(None, out)
     if not isinstance(subscripts, str) or len(operands) > 2:
         raise refuse("np.einsum of more than two arrays", "take them two at a time")
     inputs, arrow, result = subscripts.replace(" ", "").partition("->")
@@ -193,7 +188,7 @@ def _clip(x: Any, a_min: Any = None, a_max: Any = None, *, min: Any = None, max:
 
 def _extreme(reduce: Callable[..., Any], of_two: Callable[..., Any]) -> Callable[..., Interval]:
     def apply(x: Interval, axis: Any = None, out: Any = None, keepdims: bool = False) -> Interval:
-        _check_plain(None, out)
+        check_plain(None, out)
         if x.form is not None and isinstance(axis, int) and not keepdims:
             first: Any
             first, *others = rearranging.moveaxis(x, axis, 0)
@@ -211,6 +206,7 @@ def _like(make: Callable[..., Any]) -> Callable[..., Any]:
         if not isinstance(x, Interval):
             return make(np.zeros(x.shape), *args, **kwargs)
         number = make(x.lo, *args, **kwargs)
+        check_plain(number.dtype)
         return Interval(number, number.copy())
 
     return apply

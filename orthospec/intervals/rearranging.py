@@ -12,7 +12,7 @@ import numpy as np
 
 from orthospec.intervals.interval import Interval, as_interval
 from orthospec.intervals.linear import Linear
-from orthospec.intervals.refusal import refuse
+from orthospec.intervals.refusal import check_plain, refuse
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,7 +55,8 @@ def _one(func: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _many(func: Callable[..., Any]) -> Callable[..., Any]:
-    def apply(arrays: Any, *args: Any, **kwargs: Any) -> Interval:
+    def apply(arrays: Any, *args: Any, dtype: Any = None, out: Any = None, **kwargs: Any) -> Interval:
+        check_plain(dtype, out)
         parts = [as_interval(a) for a in arrays]
         return rearranged(parts, lambda numbers: func(numbers, *args, **kwargs))
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import numpy as np
 
@@ -17,4 +19,16 @@ def refuse(what: str, instead: str) -> NoEnclosure:
     frame = sys._getframe(1)
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_OURS):
         frame = frame.f_back
-    return NoEnclosure(f"{frame.f_code.co_filename}:{frame.f_lineno}", what, instead)
+    line = line_of(frame, frame.f_lineno)
+    return NoEnclosure(f"{line}: {what} knows numbers only, not intervals: {instead}")
+
+
+def check_plain(dtype: Any, out: Any = None) -> None:
+    """Refuse what would round the numbers or put them elsewhere, when NumPy's function is asked for it."""
+    if out is not None or not (dtype is None or np.dtype(dtype) == np.dtype(float)):
+        raise refuse("a result of another type or in place", "leave out 'dtype' and 'out'")
+
+
+def line_of(frame: FrameType, number: int) -> str:
+    """A line of code by its module: results tell of it, and are the same wherever that is installed."""
+    return f"{frame.f_globals.get('__name__', frame.f_code.co_name)}, line {number}"

@@ -10,7 +10,7 @@ import numpy as np
 from orthospec.intervals import ends, functions, fused, linear
 from orthospec.intervals.interval import PLAIN, Interval, Undecided, as_interval
 from orthospec.intervals.linear import Linear
-from orthospec.intervals.refusal import refuse
+from orthospec.intervals.refusal import check_plain, refuse
 from orthospec.intervals.rounding import ULP
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ def call_ufunc(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], kwargs: di
     plain = kwargs.get("where", True) is True and "initial" not in kwargs
     if ufunc not in table or method not in {"__call__", "reduce"} or not plain:
         raise refuse(f"np.{ufunc.__name__}" + ("" if method == "__call__" else f".{method}"), PLAIN)
+    check_plain(kwargs.get("dtype"))
     kwargs = {key: kwargs[key] for key in ("axis", "keepdims") if key in kwargs}
     if method == "reduce":
         kwargs.setdefault("axis", 0)

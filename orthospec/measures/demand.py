@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from orthospec.arrays import np
+from orthospec.errors import NoEnclosure
 from orthospec.measures.base import Measure
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags
+    from orthospec.intervals import Boxes, Interval
+    from orthospec.manipulators import Manipulator
 
 LITTLE = 1e-3
 """The part of a lower bound below which a value's distance from it is no more told by their ratio."""
@@ -48,6 +51,23 @@ class Demand:
             bounded = bounded_side(values, side)
             met &= bounded >= bound - slack if side == "at_least" else bounded <= bound + slack
         return met
+
+    def enclosure(self, manipulator: Manipulator, boxes: Boxes) -> Interval:
+        """Bounds on the values over each box, (n,) or (n, 2).
+
+        Raises NoEnclosure where the measure gives none, or what cannot be one.
+        """
+        from orthospec.intervals import Interval
+
+        found, n = self.measure.enclosure(manipulator, boxes), len(boxes)
+        title = type(self.measure).__name__
+        if not isinstance(found, Interval):
+            raise NoEnclosure(f"{title} gives no enclosure")
+        if found.shape not in {(n,), (n, 2)}:
+            raise NoEnclosure(f"{title} gives an enclosure of shape {found.shape} for {n} boxes")
+        if (found.lo > found.hi).any():
+            raise NoEnclosure(f"{title} gives an enclosure whose lower end lies above the upper one")
+        return found
 
 
 def bounded_side(values: Array, side: str) -> Array:

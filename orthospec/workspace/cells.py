@@ -308,11 +308,9 @@ def _margins(manipulator: Manipulator, boxes: Boxes) -> list[Interval] | None:
 def _enclosed(manipulator: Manipulator, demand: Demand, boxes: Boxes) -> Interval | None:
     """Bounds on a demand's measure, shaped as its values; None where nothing is known."""
     try:
-        found = demand.measure.enclosure(manipulator, boxes)
+        return demand.enclosure(manipulator, boxes)
     except Exception:  # As in a proof, which tells why: here the nodes are measured instead.
         return None
-    known = isinstance(found, Interval) and found.shape in {(len(boxes),), (len(boxes), 2)}
-    return found if known else None
 
 
 def _decided(demand: Demand, ends: Interval) -> tuple[Flags, Flags]:

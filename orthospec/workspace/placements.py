@@ -218,7 +218,7 @@ class _Search:
     def _bounds(self, case: int, numbers: list[int], boxes: Boxes) -> Mapping[int, Interval]:
         demand = self._demands[case]
         found: dict[int, Any] = {}
-        values: Any = demand.measure.enclosure(self._machine.manipulator, boxes)
+        values: Any = demand.enclosure(self._machine.manipulator, boxes)
         for k in numbers:
             side = str(self._conditions[k].side)
             over = bounded_side(values, side) - demand.bounds[side]

@@ -26,11 +26,13 @@ import numpy as np
 
 from orthospec.errors import OrthospecError
 from orthospec.intervals import Boxes
+from orthospec.intervals.refusal import line_of
 from orthospec.measures.demand import ROUNDING
 from orthospec.workspace.conditions import Condition
+from orthospec.workspace.critical import lattice
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
-from orthospec.workspace.proof_cases import Case, Unknown, cases_of
+from orthospec.workspace.proof_cases import Case, cases_of
 from orthospec.workspace.tolerances import Family
 
 if TYPE_CHECKING:
@@ -48,6 +50,8 @@ LONGER = 4.0
 """By so much an edge along such a coordinate may be longer."""
 TRIALS, SHORT, SAME = 6, 2.0**-6, 1e-10
 """Boxes that are tried, their edges beside the cuboid's, and what changes their bounds by less is idle."""
+SAMPLES, MOST_CORNERS = 64, 6
+"""Points at which what is proved is looked at too, and of so many coordinates the corners."""
 IDLE = 1024.0
 """By so much an edge along an idle coordinate may be longer."""
 ALIKE = 0.9
@@ -142,6 +146,8 @@ class _Search:
                     parts, excess = self._cut(rest, excess, self._changes(rest, excess, is_open[:, left]))
                     stuck = bool((parts.hi - parts.lo <= 2 * self._finest).all(axis=1).any())
                     waiting += _batches(parts, excess)
+            if not waiting:
+                self._judged(self._samples())
             self._climb()
         except Exception as error:
             return [replace(claim, boxes=self._boxes, why=_reason(error)) for claim in self._claims]
@@ -157,12 +163,18 @@ class _Search:
         found[axes:] = edges[:axes].max()
         return np.where(self._is_idle(), IDLE * found, found)
 
+    def _samples(self) -> Array:
+        """Points all over (k, d): what an enclosure says of all of them and is not so of one is no proof."""
+        lo, edges = self._start.lo[0], (self._start.hi - self._start.lo)[0]
+        d = len(lo)
+        corners = lattice(2, d) + 0.5 if d <= MOST_CORNERS else np.zeros((0, d))
+        return np.asarray(lo + np.vstack([corners, _scattered(SAMPLES, d)]) * edges)
+
     def _is_idle(self) -> Flags:
         """Along which coordinates long boxes have the same bounds as short ones (d,): no cut there helps."""
         lo, edges = self._start.lo[0], (self._start.hi - self._start.lo)[0]
         d = len(lo)
-        scattered = np.modf(np.sqrt(np.arange(1, TRIALS + 1)[:, None] * 2 + np.arange(d)))[0]
-        low = np.tile(lo + scattered * (1 - SHORT) * edges, (1 + d, 1, 1))
+        low = np.tile(lo + _scattered(TRIALS, d) * (1 - SHORT) * edges, (1 + d, 1, 1))
         high = low + SHORT * edges
         for k in range(d):
             low[1 + k, :, k], high[1 + k, :, k] = lo[k], lo[k] + edges[k]
@@ -245,6 +257,11 @@ class _Search:
         return found
 
 
+def _scattered(count: int, d: int) -> Array:
+    """Points (count, d) of [0, 1) without an order."""
+    return np.asarray(np.modf(np.sqrt(np.arange(1, count + 1)[:, None] * 2 + np.arange(d)))[0])
+
+
 def _across(change: Array, length: Array, can_be_cut: Flags) -> NDArray[np.intp]:
     """The coordinate (n,) to cut: of the longest ones that of the greatest change.
 
@@ -266,8 +283,9 @@ def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
 
 def _reason(error: Exception) -> str:
     """The error's own words, or what a plugin raised and where."""
-    if isinstance(error, OrthospecError | Unknown):
+    if isinstance(error, OrthospecError):
         return str(error)
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith(str(Path(np.__file__).parent))]
-    return f"{own[-1].filename}:{own[-1].lineno}: {type(error).__name__}: {error}"
+    numpy = str(Path(np.__file__).parent)
+    frames = list(traceback.walk_tb(error.__traceback__))
+    frame, number = [one for one in frames if not one[0].f_code.co_filename.startswith(numpy)][-1]
+    return f"{line_of(frame, number)}: {type(error).__name__}: {error}"

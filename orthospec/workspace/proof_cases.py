@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from orthospec.intervals import Boxes, Interval
+from orthospec.intervals import Boxes
 from orthospec.measures import Demand
 from orthospec.measures.demand import ROUNDING, bounded_side
 from orthospec.workspace.conditions import Condition, conditions_of
@@ -68,11 +68,7 @@ def _bounds_case(family: Family, demand: Demand, conditions: tuple[Condition, ..
         return np.stack(rows)
 
     def over(boxes: Boxes) -> Array:
-        found = demand.measure.enclosure(*family.over(boxes))
-        if not isinstance(found, Interval):
-            raise Unknown(f"{type(demand.measure).__name__} gives no enclosure")
-        if found.shape not in {(len(boxes),), (len(boxes), 2)}:
-            raise Unknown(f"{type(demand.measure).__name__} gives an enclosure of shape {found.shape}")
+        found = demand.enclosure(*family.over(boxes))
         known = excess(lambda side: found.hi if side == "at_most" else found.lo)
         with np.errstate(invalid="ignore"):
             return np.asarray(known + ROUNDING * np.maximum(np.abs(known), 1.0))
@@ -82,7 +78,3 @@ def _bounds_case(family: Family, demand: Demand, conditions: tuple[Condition, ..
         return excess(lambda _: values)
 
     return Case(conditions, np.full(len(conditions), slack), over, at)
-
-
-class Unknown(Exception):
-    """Nothing is known of a measure over boxes."""
