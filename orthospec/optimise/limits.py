@@ -34,7 +34,7 @@ PART = 1e-3
 """A condition conflicts when it has more than this part in the least violation."""
 ROUNDING = 1e-8
 """A price below this, relative to the unit of λ, is none."""
-SUBPROBLEMS = 40
+SUBPROBLEMS = 100
 """Most subproblems spent on one price."""
 
 
