@@ -176,3 +176,21 @@ def test_start_outside_of_the_box_is_brought_in():
     found = attain_goals(lambda x: [x[0]], [50.0], goals=[0], weights=[1], lower=1, upper=2)
     assert found.x[0] == pytest.approx(1.0, abs=1e-12)
     assert found.factor == pytest.approx(1.0, abs=1e-12)
+
+
+def two_parabolas(x):
+    return [x[0] ** 2, (x[0] - 3) ** 2]
+
+
+@pytest.mark.parametrize(
+    ("goals", "weights", "message"),
+    [
+        ([0, 0], [1, -1], "a weight is below 0: turn its sign, and those of its objective and goal"),
+        ([0, 0], [1, np.nan], "a weight is below 0"),
+        ([0, 0], [1], "2 goals, 1 weights and values of shape"),
+        ([0, 0, 0], [1, 1, 1], r"3 goals, 3 weights and values of shape \(2,\)"),
+    ],
+)
+def test_goals_and_weights_that_mean_nothing_are_refused(goals, weights, message):
+    with pytest.raises(ValueError, match=message):
+        attain_goals(two_parabolas, [0.5], goals, weights)

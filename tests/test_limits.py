@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
+from orthospec import registry
+from orthospec.measures import Measure
 from orthospec.optimise import limits as limits_module
 from orthospec.optimise import solve
 from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.workers import Here
+from orthospec.quantities import Length
 from orthospec.spec import load_spec
 
 SPECS = Path(__file__).parents[1] / "specs"
@@ -122,6 +126,43 @@ def worst_condition(leg):
         room = leg * (v / np.sqrt(1 + 2 * v * v) + u / np.sqrt(1 + 2 * u * u))
         low, high = (low, k) if room >= 0.2 else (k, high)
     return high
+
+
+class Shortfall(Measure):
+    """What the legs are longer than a length, with its sign turned: its bounds are below 0."""
+
+    unit: ClassVar[str] = "m"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+    length: Length = 0.0
+
+    def values(self, manipulator, poses):
+        return self.length - manipulator.leg_lengths[0] + 0.0 * poses[:, 0]
+
+
+SHORTFALL = """\
+orthospec: 1
+variables: {leg: {min: 320 mm, max: 500 mm, start: 400 mm}}
+manipulator: {use: orthoglide, leg_lengths: [leg, leg, leg]}
+workspace: {size: [200 mm, 200 mm, 200 mm], divisions: 10}
+measures: {mine: {use: mine, length: %s mm, at_most: %s mm}}
+goals: {legs: {minimise: leg, goal: 300 mm}}
+optimise: {starts: 1}
+"""
+
+
+@pytest.mark.parametrize(
+    ("length", "bound", "price"), [(0, -350, 0.0035), (200, -150, 0.0015), (350, 0, None)]
+)
+def test_one_per_cent_of_a_bound_is_that_of_its_magnitude_and_0_has_none(
+    monkeypatch, spec_of, length, bound, price
+):
+    find = registry.find_measure
+    monkeypatch.setattr(registry, "find_measure", lambda name: Shortfall if name == "mine" else find(name))
+    finding = solve(spec_of(SHORTFALL % (length, bound))).finding
+    assert finding.design.values["leg"] == pytest.approx(0.35, abs=1e-9)
+    (mine,) = [limit for limit in finding.limits if limit.name == "mine"]
+    expected = (None, None) if price is None else pytest.approx((price, price), abs=1e-8)
+    assert (mine.gain, mine.cost) == expected
 
 
 JOINTS = """\

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class _Goals:
-    """`Problem` of plain functions; x is used as it comes, scaled by its box where that is finite."""
+    """`Problem` of plain functions; x is used as it comes."""
 
     def __init__(
         self,
@@ -74,8 +74,15 @@ def attain_goals(
 
     functions(x) gives the k objective values at x (n,); goals and weights (k,), lower and upper (n,) or one
     number for all. Variables should be of order 1: the trust region is a box in x as it comes.
+
+    Raises ValueError for a weight below 0, and where there are not as many goals as weights and values.
     """
     x = np.atleast_1d(np.asarray(start, dtype=float))
     box = [np.broadcast_to(np.asarray(side, dtype=float), x.shape).copy() for side in (lower, upper)]
-    goals, weights = (np.asarray(part, dtype=float) for part in (goals, weights))
+    goals, weights = (np.atleast_1d(np.asarray(part, dtype=float)) for part in (goals, weights))
+    values = np.shape(functions(np.clip(x, *box)))
+    if not goals.shape == weights.shape == values:
+        raise ValueError(f"{goals.size} goals, {weights.size} weights and values of shape {values}")
+    if not (weights >= 0).all():
+        raise ValueError("a weight is below 0: turn its sign, and those of its objective and goal")
     return minimise(_Goals(functions, goals, weights, *box), np.clip(x, *box))

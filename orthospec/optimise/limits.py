@@ -113,9 +113,11 @@ def _pushes(pressure: Pressure, binding: _Binding) -> bool:
 
 
 def _bindings(fit: Fit, found: Attained) -> Iterator[_Binding]:
+    demands = fit.problem.machine(fit.problem.layout.unpack(fit.problem.start).design).demands
     for condition, poses in fit.problem.critical(fit.problem.start, ACTIVE).items():
         if poses:
-            yield _condition_binding(condition, tuple(poses))
+            bound = demands[condition.name].bounds[str(condition.side)] if condition.kind == "bound" else None
+            yield _condition_binding(condition, tuple(poses), bound)
     yield from _variable_bindings(fit.space, found)
     yield from _goal_bindings(fit, found)
 
@@ -133,13 +135,15 @@ def _variable_bindings(space: DesignSpace, found: Attained) -> Iterator[_Binding
                 )
 
 
-def _condition_binding(condition: Condition, at: tuple[tuple[float, ...], ...]) -> _Binding:
+def _condition_binding(
+    condition: Condition, at: tuple[tuple[float, ...], ...], bound: float | None
+) -> _Binding:
+    """A bound is moved by a part of itself, so that one of 0 has no price; a joint limit as its margin is."""
     limit = Limit(condition.kind, condition.name, condition.side, at, None, None)
-    if condition.kind == "joint":
-        if condition.side is None:
-            return _Binding(limit, None, None)
-        looser, tighter = PERCENT, -PERCENT
-    else:
+    if condition.side is None or bound == 0:
+        return _Binding(limit, None, None)
+    looser, tighter = PERCENT, -PERCENT
+    if bound is not None and bound > 0:  # What it is exceeded by is a logarithm: `orthospec.measures.demand`.
         sign = 1.0 if condition.side == "at_most" else -1.0
         looser, tighter = (sign * math.log(1 + sign * step) for step in (PERCENT, -PERCENT))
     return _Binding(limit, _Shift(condition=(condition, looser)), _Shift(condition=(condition, tighter)))
