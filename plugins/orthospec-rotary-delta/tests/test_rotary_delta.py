@@ -82,13 +82,24 @@ def test_it_is_drawn_with_its_lengths() -> None:
             np.testing.assert_allclose(length, wanted, rtol=1e-12)
 
 
-def test_limits_of_the_arms_bound_the_reach() -> None:
-    narrow = MACHINE.model_copy(update={"lowest": -0.2, "highest": 1.0})
+@pytest.mark.parametrize(("lowest", "highest"), [(-0.2, 1.0), (-1.5, 0.3), (0.3 - np.pi, 0.3)])
+def test_limits_of_the_arms_bound_the_reach(lowest: float, highest: float) -> None:
+    narrow = MACHINE.model_copy(update={"lowest": lowest, "highest": highest})
     tool = poses(400, seed=4)
     angles, reachable = narrow.inverse_kinematics(tool)
-    inside = ((angles > -0.2) & (angles < 1.0)).all(axis=1)
+    inside = ((angles > lowest) & (angles < highest)).all(axis=1)
     assert inside.any()
+    assert not inside.all()
     np.testing.assert_array_equal(reachable, inside)
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest"), [("95 deg", "-60 deg"), ("0 deg", "0 deg"), ("-120 deg", "107 deg")]
+)
+def test_limits_that_an_arm_cannot_have_are_a_mistake(lowest: str, highest: str) -> None:
+    """Over more than half a turn the sine of the way to a limit tells the wrong side."""
+    with pytest.raises(SpecError, match="highest must be above lowest, by half a turn"):
+        load_spec(SPEC, [f"manipulator.lowest={lowest}", f"manipulator.highest={highest}"])
 
 
 def test_its_spec_ends_where_the_bound_is_held() -> None:

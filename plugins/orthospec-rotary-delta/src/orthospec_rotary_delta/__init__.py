@@ -21,10 +21,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from orthospec.manipulators import Manipulator, Skeleton
 from orthospec.quantities import Angle, Length
@@ -60,10 +60,16 @@ class RotaryDelta(Manipulator):
     lowest: Angle = -math.pi / 2
     """Least angle of an arm, from the horizontal downwards [rad]."""
     highest: Angle = math.pi / 2
-    """Greatest angle of an arm [rad]."""
+    """Greatest angle of an arm [rad], by half a turn at most above the least one."""
 
     joint_units: ClassVar[tuple[str, ...]] = ("rad", "rad", "rad")
     index_units: ClassVar[Mapping[str, str]] = {"length_total": "m", "swing": "rad", "footprint": "m^2"}
+
+    @model_validator(mode="after")
+    def _turns_by_half_a_turn_at_most(self) -> Self:
+        if not 0 < self.highest - self.lowest <= math.pi * (1 + ROUNDING):
+            raise ValueError("highest must be above lowest, by half a turn (180 deg) at most")
+        return self
 
     def inverse_kinematics(self, poses: Poses) -> tuple[Array, Any]:
         """Angles θ (n, 3) [rad], NaN where a loop cannot close, and reachability (n,)."""
@@ -79,7 +85,8 @@ class RotaryDelta(Manipulator):
         margins = {f"loop_{i + 1}": room[i] - CLEARANCE for i in range(3)}
         for side, sign, end in (("at_least", 1.0, self.lowest), ("at_most", -1.0, self.highest)):
             for i in range(3):
-                # The sine of the way to the limit: an angle itself is not smooth where it turns over.
+                # The sine of the way to the limit: an angle itself is not smooth where it turns over. With the
+                # limits half a turn apart at most, one of both is below 0 just where the arm is beyond.
                 away = sign * (sine[i] * math.cos(end) - cosine[i] * math.sin(end))
                 margins[f"angles.{i}.{side}"] = away / (abs(end) or 1.0)
         u = s / self.forearm
