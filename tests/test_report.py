@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from typer.testing import CliRunner
 
 from orthospec import registry
@@ -20,7 +21,9 @@ from orthospec.optimise import evaluate_spec
 from orthospec.report import report, write_figures
 from orthospec.report.bars import beside_goal, in_range
 from orthospec.report.fields import bound_surface
+from orthospec.report.figures import curves, machine
 from orthospec.report.latex import escaped, latex
+from orthospec.report.palette import PAGE
 from orthospec.report.panels import figures
 from orthospec.report.views import AXONOMETRIC, ORTHOGONAL, View, edges, hidden
 from orthospec.result import write_result
@@ -240,6 +243,37 @@ def test_figures_are_files_with_their_data_and_the_same_each_time(rich: Solution
     assert rows[0][0] == "design"
     assert rows[2] == ["2, knee", "1.2", "1.3"]
     assert "<text" in (tmp_path / "a" / "pareto-1-2.svg").read_text()
+
+
+def test_axes_of_curves_make_room_for_the_curves_alone() -> None:
+    along = ("leg [mm]", np.linspace(350.0, 500.0, 4))
+    lines = {"lowest": np.linspace(0.003, 0.004, 4), "highest": np.linspace(0.012, 0.014, 4)}
+    figure = curves.swept("rotation", "Rotation", along, "rotation [deg]", lines, [0.05]).draw(PAGE)
+    (axes,) = figure.axes
+    assert 340 < axes.get_xlim()[0] < 350
+    assert 500 < axes.get_xlim()[1] < 510
+    assert 0 < axes.get_ylim()[0] < 0.003
+    assert 0.05 < axes.get_ylim()[1] < 0.055
+
+
+@pytest.mark.parametrize("count", [1, 3, 9])
+def test_names_of_a_machines_parts_stand_above_it(rich: Solution, count: int) -> None:
+    segments = np.random.default_rng(0).uniform(-1, 1, (count, 2, 3))
+    drawing = machine.Drawing(
+        segments,
+        np.full(count, 0.01),
+        tuple(f"part{k}_1" for k in range(count)),
+        np.ones(count, dtype=bool),
+        np.full(3, -0.5),
+        np.full(3, 0.5),
+        read(rich.result, rich.spec).numbers,
+    )
+    figure = machine.panels(drawing)[0].draw(PAGE)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    names = [text.get_window_extent(renderer) for text in figure.texts]
+    assert len(names) == count + 1
+    drawn = [line.get_window_extent(renderer) for line in figure.axes[0].lines]
+    assert min(name.y0 for name in names) > max(line.y1 for line in drawn)
 
 
 def test_slice_has_the_measure_in_it(evaluated: Solution) -> None:

@@ -63,11 +63,6 @@ class Subject:
         """Metres as lengths are told here."""
         return self.told("m", values)[0]
 
-    @property
-    def length_unit(self) -> str:
-        """mm or m."""
-        return "mm" if self.numbers.millimetres else "m"
-
     @cached_property
     def place(self) -> Cuboid | None:
         """The prescribed cuboid where it stands; the largest one where no place was found for it."""

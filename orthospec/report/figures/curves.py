@@ -64,13 +64,14 @@ def _swept(
 def _line(
     axes: Axes, figure: Figure, k: int, name: str, points: tuple[Array, Array], palette: Palette
 ) -> None:
+    from matplotlib.lines import Line2D
+
     colour = palette.cycle[k % 6]
     manner: dict[str, Any] = {"color": colour, "linestyle": _DASHES[k % 4], "marker": _MARKS[k % 4]}
     axes.plot(*points, **manner, markersize=3.4)
     height = 1 - (0.13 + 0.17 * k) / float(figure.get_figheight())
-    (sample,) = axes.plot([0.17, 0.24], [height, height], **manner, markersize=3.4)
-    sample.set_transform(figure.transFigure)
-    sample.set_clip_on(False)
+    # An artist of the figure: among the axes' own lines it would be one of those that they make room for.
+    figure.add_artist(Line2D([0.17, 0.24], [height, height], **manner, markersize=3.4))
     figure.text(0.26, height, name, color=palette.ink, fontsize=8, va="center")
 
 

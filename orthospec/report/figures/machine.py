@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from orthospec.show.numbers import Numbers
 
 
+ROW = 0.19
+"""Height of a line of names [in]."""
+
+
 def _kind(name: str) -> str:
     """``leg`` of ``leg_1``, ``bar`` of ``bar_left_2``."""
     return name.partition("_")[0]
@@ -115,15 +119,18 @@ def _drawn(drawing: Drawing, view: View) -> Array:
 
 
 def _draw(drawing: Drawing, view: View, palette: Palette) -> Figure:
-    figure, axes = panel(palette, 3.0, 3.0, margins=(0.08, 0.08, 0.08, 0.08))
+    names = [] if view.is_along_an_axis else drawing.stems
+    above = ROW * (1 + len(names)) if names else 0.0
+    figure, axes = panel(
+        palette, 3.0, 3.0 + max(0.0, above - 3 * ROW), margins=(0.08, 0.08, 0.08, 0.08 + above)
+    )
     points = _drawn(drawing, view)
     low, high = points.min(axis=0), points.max(axis=0)
     span = float((high - low).max())
     axes.set_axis_off()
     room = 0.22 if view.is_along_an_axis else 0.08
-    above = 0.04 if view.is_along_an_axis else 0.09 * (1 + len(drawing.stems))
-    fit(axes, low - room * span, high + np.array([0.04, above]) * span)
-    _parts(axes, drawing, view, palette, span)
+    fit(axes, low - room * span, high + 0.04 * span)
+    _parts(figure, axes, drawing, view, palette, span)
     _box(axes, edges(drawing.low, drawing.high), view, palette)
     if view.is_along_an_axis:
         _dimensions(axes, drawing, view, palette, (low, high), span)
@@ -132,7 +139,7 @@ def _draw(drawing: Drawing, view: View, palette: Palette) -> Figure:
     return figure
 
 
-def _parts(axes: Axes, drawing: Drawing, view: View, palette: Palette, span: float) -> None:
+def _parts(figure: Figure, axes: Axes, drawing: Drawing, view: View, palette: Palette, span: float) -> None:
     """Each kind of part in a colour of its own, the nearer ones over the farther ones."""
     seen = view(drawing.segments)
     points_per_length = 72 * 2.3 / span
@@ -148,18 +155,22 @@ def _parts(axes: Axes, drawing: Drawing, view: View, palette: Palette, span: flo
             solid_capstyle="round",
             zorder=2,
         )
-    if view.is_along_an_axis:
-        return
+    if not view.is_along_an_axis:
+        _name_parts(figure, drawing, colours, palette)
+
+
+def _name_parts(figure: Figure, drawing: Drawing, colours: dict[str, str], palette: Palette) -> None:
+    """The kinds of parts and the cuboid in their colours, above the machine."""
+    height = figure.get_figheight()
     entries = [(_words(drawing, stem), colours[stem]) for stem in drawing.stems]
     for row, (text, colour) in enumerate([*entries, ("prescribed cuboid", palette.second)]):
-        axes.text(
-            0.0,
-            1.0 - 0.068 * row,
+        figure.text(
+            0.03,
+            1 - (0.08 + ROW * row) / height,
             text,
             color=colour,
             fontsize=8.5,
             fontweight="bold",
-            transform=axes.transAxes,
             va="top",
         )
 

@@ -85,8 +85,8 @@ class RotaryDelta(Manipulator):
         margins = {f"loop_{i + 1}": room[i] - CLEARANCE for i in range(3)}
         for side, sign, end in (("at_least", 1.0, self.lowest), ("at_most", -1.0, self.highest)):
             for i in range(3):
-                # The sine of the way to the limit: an angle itself is not smooth where it turns over. With the
-                # limits half a turn apart at most, one of both is below 0 just where the arm is beyond.
+                # The sine of the way to the limit: an angle itself is not smooth where it turns over. Limits
+                # are half a turn apart at most: one of both is below 0 just where the arm is beyond.
                 away = sign * (sine[i] * math.cos(end) - cosine[i] * math.sin(end))
                 margins[f"angles.{i}.{side}"] = away / (abs(end) or 1.0)
         u = s / self.forearm
