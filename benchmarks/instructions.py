@@ -17,6 +17,7 @@ import tempfile
 PREPARE = """
 import numpy as np
 from orthospec import kernels
+from orthospec.intervals import Boxes, fused
 random = np.random.default_rng(1)
 axis = np.linspace(-1.0, 1.0, 100)
 x, y, z = np.meshgrid(axis, axis, axis, indexing="ij", sparse=True)
@@ -26,6 +27,9 @@ small, spatial = random.standard_normal((20000, 3, 3)), random.standard_normal((
 halves = random.standard_normal((5000, 3, 2, 2))
 legs = random.uniform(0.5, 1.0, (3, 21)) + 2.0 * np.isin(np.arange(21), [11, 14, 16, 17, 19])
 directions = random.standard_normal((3, 3, 5000))
+lo = random.uniform(1.0, 2.0, (512, 3))
+poses = Boxes(lo, lo + 1e-3).poses
+over_boxes = np.stack([np.stack([poses[:, (i + j) % 3] + j for j in range(6)], 1) for i in range(6)], 1)
 chains = halves @ halves.swapaxes(2, 3) + np.eye(2), random.standard_normal((5000, 3, 2, 6))
 """
 KERNELS = {
@@ -45,6 +49,12 @@ KERNELS = {
         "kernels.legs_compliance(legs, np.zeros((3, 6, 6)), directions)",
         5000,
         "platform",
+    ),
+    "product of intervals": ("fused.multiply(over_boxes, over_boxes)", 512 * 36, "entry"),
+    "matrix product of intervals, 6 x 6": (
+        "fused.contract('nij', 'njk', 'nik', over_boxes, over_boxes)",
+        512 * 36,
+        "entry",
     ),
 }
 CALLS = 5

@@ -15,6 +15,7 @@ import numpy as np
 import timing
 from scipy.ndimage import distance_transform_cdt
 
+from orthospec.intervals import Boxes, Interval, fused, twin
 from orthospec.kernels import (
     Within,
     chain_compliance,
@@ -33,6 +34,7 @@ from orthospec.kernels import (
 EDGE = 201
 MATRICES = 32_768
 PLATFORMS = 32_768
+BOXES = 512
 ROUNDS = 9
 
 Rivals = dict[str, Callable[[Any], Any]]
@@ -230,6 +232,32 @@ def compare_small_matrices(size: int) -> None:
         compare(" ".join(f"{MATRICES} {kind} {size} x {size}".split()), rivals, matrices, MATRICES)
 
 
+def matrices_over_boxes() -> Interval:
+    """Matrices (n, 6, 6) that depend on the pose, over small boxes."""
+    lo = np.random.default_rng(3).uniform(1.0, 2.0, (BOXES, 3))
+    poses = Boxes(lo, lo + 1e-3).poses
+    rows = [np.stack([poses[:, (i + j) % 3] * (1.0 + i) + j for j in range(6)], axis=1) for i in range(6)]
+    return np.stack(rows, axis=1)  # type: ignore[no-any-return]
+
+
+def compare_intervals() -> None:
+    """Ends and mean-value forms in one pass, and in whole NumPy arrays."""
+    matrices = matrices_over_boxes()
+    turned = matrices[:, ::-1]
+    products = ("nij", "njk", "nik")
+    every: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
+        "sums": (lambda x: fused.add(x, turned), lambda x: twin.add(x, turned)),
+        "products": (lambda x: fused.multiply(x, turned), lambda x: twin.multiply(x, turned)),
+        "matrix products": (
+            lambda x: fused.contract(*products, x, turned),
+            lambda x: twin.contract(*products, x, turned),
+        ),
+    }
+    for name, (ours, numpys) in every.items():
+        title = f"{name} of {BOXES} matrices 6 x 6 over boxes, by entries"
+        compare(title, {"in C": ours, "whole NumPy arrays": numpys}, matrices, matrices.size)
+
+
 def main() -> None:
     compare_cubes()
     compare_fields()
@@ -242,6 +270,7 @@ def main() -> None:
     for chains, wrenches in ((3, 2), (3, 3), (6, 1)):
         title = f"{PLATFORMS} platforms, {chains} chains of {wrenches}"
         compare(title, stiffnesses, platforms(chains, wrenches), PLATFORMS)
+    compare_intervals()
 
 
 if __name__ == "__main__":

@@ -42,10 +42,15 @@ static void copy_run(double *to, const char *from, ptrdiff_t stride, size_t coun
             to[n] = *(const double *)(from + (ptrdiff_t)n * stride);
 }
 
+static int is_side_by_side(const Walk *walk)
+{
+    return walk->axes == 1 && walk->stride[0] == sizeof(double);
+}
+
 /* `count` numbers from the one numbered `first`: where they stand if that is side by side, else copied to `room`. */
 static const double *numbers_at(const Walk *walk, size_t first, size_t count, double *room)
 {
-    if (walk->axes == 1 && walk->stride[0] == sizeof(double))
+    if (is_side_by_side(walk))
         return (const double *)walk->data + first;
     const int last = walk->axes - 1;
     if (last < 0) {
@@ -202,6 +207,20 @@ static const char *side_of(Side *side, const Quantities *x, const Rows *out)
 
 static const double none[INTERVAL_BLOCK];
 
+/* The slopes of those quantities, and how far apart they stand. */
+static const double *slopes_of(const Side *side, size_t first, size_t count, size_t d, double *room, ptrdiff_t *next)
+{
+    Walk walk = side->walks[G];
+    if (is_side_by_side(&walk)) {
+        *next = side->slope / (ptrdiff_t)sizeof(double);
+        return (const double *)walk.data + first;
+    }
+    *next = INTERVAL_BLOCK;
+    for (size_t k = 0; k < d; k++, walk.data += side->slope)
+        numbers_at(&walk, first, count, room + k * INTERVAL_BLOCK);
+    return room;
+}
+
 /* Quantities `first` to `first + count` of a side; forms are made up where it has none. */
 static Known block_of(const Side *side, size_t first, size_t count, size_t d)
 {
@@ -224,16 +243,7 @@ static Known block_of(const Side *side, size_t first, size_t count, size_t d)
     } else {
         known.c = numbers_at(&side->walks[C], first, count, room + 2 * INTERVAL_BLOCK);
         known.r = numbers_at(&side->walks[R], first, count, room + 3 * INTERVAL_BLOCK);
-        known.g = room + 4 * INTERVAL_BLOCK;
-        known.next = INTERVAL_BLOCK;
-        for (size_t k = 0; k < d; k++) {
-            Walk walk = side->walks[G];
-            walk.data += (ptrdiff_t)k * side->slope;
-            double *const own = room + (4 + k) * INTERVAL_BLOCK;
-            const double *const slopes = numbers_at(&walk, first, count, own);
-            if (slopes != own)
-                memcpy(own, slopes, count * sizeof(double));
-        }
+        known.g = slopes_of(side, first, count, d, room + 4 * INTERVAL_BLOCK, &known.next);
     }
     return known;
 }
