@@ -57,6 +57,11 @@ UNARY = {
     "sin far out": (np.sin, mpmath.sin, (1e5, 1e5 + 7)),
     "tan": (np.tan, mpmath.tan, (-1.4, 1.4)),
     "arctan": (np.arctan, mpmath.atan, (-20, 20)),
+    "arcsin": (np.arcsin, mpmath.asin, (-1, 1)),
+    "arccos": (np.arccos, mpmath.acos, (-1, 1)),
+    "sinh": (np.sinh, mpmath.sinh, (-5, 5)),
+    "cosh": (np.cosh, mpmath.cosh, (-5, 5)),
+    "tanh": (np.tanh, mpmath.tanh, (-25, 25)),
     "reciprocal": (np.reciprocal, lambda x: 1 / x, (1e-3, 3)),
     "sign": (np.sign, mpmath.sign, (-3, 3)),
     "minimum": (lambda x: np.minimum(x, 0.7), lambda x: min(x, mpmath.mpf(0.7)), (-3, 3)),
@@ -77,6 +82,7 @@ BINARY = {
     "multiply": (np.multiply, lambda x, y: x * y),
     "divide": (lambda x, y: x / (y + 4), lambda x, y: x / (y + 4)),
     "hypot": (np.hypot, mpmath.hypot),
+    "arctan2": (np.arctan2, mpmath.atan2),
     "maximum": (np.maximum, max),
     "minimum": (np.minimum, min),
 }
@@ -122,6 +128,43 @@ def test_mean_value_forms(name, width):
     for row in points:
         for i, pose in enumerate(row):
             assert lies_in_form(found.form, i, function(*map(exactly, pose)), coordinates(boxes, i, pose))
+
+
+@pytest.mark.parametrize(
+    "name", ["sqrt", "exp", "log", "sin", "tan", "arctan", "arcsin", "arccos", "sinh", "cosh", "tanh"]
+)
+@pytest.mark.parametrize("width", [0.0, 1e-9, 1e-3, 0.1])
+def test_mean_value_forms_of_functions(name, width):
+    function, exact, (low, high) = UNARY[name]
+    check_forms(lambda x: function(x[:, 0]), exact, max(low, -2.0), min(high, 2.0), width, 1)
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-9, 1e-3, 0.1])
+def test_mean_value_forms_of_angles(width):
+    check_forms(lambda p: np.arctan2(p[:, 0], p[:, 1]), mpmath.atan2, -1.0, 1.0, width, 2)
+
+
+def check_forms(function, exact, low, high, width, d):
+    random = np.random.default_rng(8)
+    lo = random.uniform(low, high - width, (20, d))
+    boxes = Boxes(lo, lo + width * random.uniform(0.5, 1, (20, d)))
+    found = function(boxes.poses)
+    points = np.clip(boxes.lo + random.uniform(0, 1, (3, 20, d)) * (boxes.hi - boxes.lo), boxes.lo, boxes.hi)
+    assert escapes(found, points, exact) == 0
+    near = np.abs(found.form.g).max(axis=1) > 0
+    assert width == 0 or np.count_nonzero(near) > 15
+    for row in points:
+        for i, pose in enumerate(row):
+            assert lies_in_form(found.form, i, exact(*map(exactly, pose)), coordinates(boxes, i, pose))
+
+
+def test_the_angle_is_any_where_it_jumps_and_undefined_where_its_coordinates_are():
+    y, x = np.array([-0.1, 0.0, np.nan, 1.0]), np.array([-1.0, 0.0, 1.0, -2.0])
+    found = np.arctan2(Interval(y, y + 0.2), Interval(x, x + 0.1))
+    assert found.lo[:2] == pytest.approx([-np.pi] * 2)
+    assert found.hi[:2] == pytest.approx([np.pi] * 2)
+    assert np.isnan([found.lo[2], found.hi[2]]).all()
+    assert np.arctan2(1.2, -2.0) <= found.hi[3] < np.arctan2(1.0, -2.0) + 0.01
 
 
 def exactly(x):

@@ -135,6 +135,36 @@ def arctan(x: Ends) -> Ends:
     return outward(np.arctan(x[0]), np.arctan(x[1]), LIBRARY)
 
 
+def arcsin(x: Ends) -> Ends:
+    """The inverse sine, undefined where x may be outside of −1 to 1."""
+    lo, hi = outward(np.arcsin(x[0]), np.arcsin(x[1]), LIBRARY)
+    return _undefined(lo, hi, ~((x[0] >= -1) & (x[1] <= 1)))
+
+
+def arccos(x: Ends) -> Ends:
+    """The inverse cosine, undefined where x may be outside of −1 to 1."""
+    lo, hi = _not_negative(outward(np.arccos(x[1]), np.arccos(x[0]), LIBRARY))
+    return _undefined(lo, hi, ~((x[0] >= -1) & (x[1] <= 1)))
+
+
+def sinh(x: Ends) -> Ends:
+    """The hyperbolic sine."""
+    return outward(np.sinh(x[0]), np.sinh(x[1]), LIBRARY)
+
+
+def cosh(x: Ends) -> Ends:
+    """The hyperbolic cosine."""
+    least, greatest = absolute(x)
+    lo, hi = outward(np.cosh(least), np.cosh(greatest), LIBRARY)
+    return np.maximum(lo, 1.0), hi
+
+
+def tanh(x: Ends) -> Ends:
+    """The hyperbolic tangent."""
+    lo, hi = outward(np.tanh(x[0]), np.tanh(x[1]), LIBRARY)
+    return np.maximum(lo, -1.0), np.minimum(hi, 1.0)
+
+
 def sin(x: Ends) -> Ends:
     """The sine."""
     return _wave(np.sin, x, 0.25)

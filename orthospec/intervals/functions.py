@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -165,6 +165,15 @@ def chosen(first: Any, second: Any, a: Interval, b: Interval, otherwise: Ends) -
         g = np.where(first[..., None], parts[0].g, np.where(second[..., None], parts[1].g, other.g))
         form = Linear(c, g, r)
     return Interval(*otherwise, form).narrowed()
+
+
+def first_of(cases: Sequence[tuple[Any, Interval]], otherwise: Ends) -> Interval:
+    """Of each entry the first of several that is sure, each with where it is; elsewhere an interval."""
+    found = Interval(*otherwise)
+    for sure, x in reversed(cases):
+        lo, hi = (np.where(sure, own, other) for own, other in zip(x.ends, found.ends, strict=True))
+        found = chosen(sure, ~sure, x, found, (lo, hi))
+    return found
 
 
 def _where(condition: Any, x: Any, y: Any) -> Interval:

@@ -121,6 +121,15 @@ def tan(x: Interval) -> Any:
     return np.sin(x) / np.cos(x)
 
 
+def arctan2(y: Any, x: Any) -> Interval:
+    """The angle of (x, y), −π to π: any where y may have both signs at an x that is not positive."""
+    a, b = as_interval(y), as_interval(x)
+    right, beside = np.arctan(a / b), np.arctan(b / a)
+    half_turn = np.where(np.isnan(a.lo + b.lo), np.nan, np.nextafter(np.pi, 4.0))
+    cases = ((b.lo > 0, right), (a.lo > 0, _QUARTER - beside), (a.hi < 0, -_QUARTER - beside))
+    return functions.first_of(cases, (-half_turn, half_turn))
+
+
 def sign(x: Interval) -> Interval:
     """−1, 0 or 1."""
     return Interval(np.sign(x.lo), np.sign(x.hi))
@@ -195,6 +204,7 @@ def _unknown(x: Interval) -> Any:
     return np.zeros(x.shape, dtype=bool)
 
 
+_QUARTER = Interval(np.asarray(np.pi / 2), np.asarray(np.nextafter(np.pi / 2, 2.0)))
 _LESS = (lambda a, b: a.hi < b.lo, lambda a, b: a.lo >= b.hi)
 _LESS_EQUAL = (lambda a, b: a.hi <= b.lo, lambda a, b: a.lo > b.hi)
 
@@ -242,6 +252,27 @@ _TABLE: Mapping[np.ufunc, Callable[..., Any]] = {
     ),
     np.arctan: _smooth(
         ends.arctan, np.arctan, lambda c: 1 / (1 + c * c), lambda h: (np.full_like(h[0], -0.325), 0.325)
+    ),
+    np.arctan2: arctan2,
+    np.arcsin: _smooth(
+        ends.arcsin,
+        np.arcsin,
+        lambda c: 1 / np.sqrt(1 - c * c),
+        lambda h: tuple(end / (2 * np.power(1 - end * end, 1.5)) for end in h),
+    ),
+    np.arccos: _smooth(
+        ends.arccos,
+        np.arccos,
+        lambda c: -1 / np.sqrt(1 - c * c),
+        lambda h: tuple(-end / (2 * np.power(1 - end * end, 1.5)) for end in h[::-1]),
+    ),
+    np.sinh: _smooth(ends.sinh, np.sinh, np.cosh, lambda h: (0.5 * np.sinh(h[0]), 0.5 * np.sinh(h[1]))),
+    np.cosh: _smooth(ends.cosh, np.cosh, np.sinh, lambda h: ends.multiply(ends.cosh(h), _constant(0.5))),
+    np.tanh: _smooth(
+        ends.tanh,
+        np.tanh,
+        lambda c: 1 - np.tanh(c) ** 2,
+        lambda h: (np.full_like(h[0], -0.385), np.full_like(h[1], 0.385)),
     ),
     np.less: _comparison(*_LESS),
     np.less_equal: _comparison(*_LESS_EQUAL),
