@@ -156,6 +156,14 @@ class Swapped(Spike):
         return Interval(found.hi + 1.0, found.lo)
 
 
+class Doubled(Spike):
+    """Gives least and greatest, where its values are one."""
+
+    def enclosure(self, manipulator, boxes):
+        found = super().enclosure(manipulator, boxes)
+        return Interval(*(np.stack([end, end], axis=1) for end in found.ends))
+
+
 class Silent(Spike):
     """Has no enclosure to give."""
 
@@ -169,6 +177,7 @@ class Silent(Spike):
         (Masked(), "np.stack"),
         (Faulty(), "an array was expected"),
         (Silent(), "Silent gives no enclosure"),
+        (Doubled(), "Doubled gives an enclosure of shape (1, 2) for values of 1 axes"),
         (Swapped(), "Swapped gives an enclosure whose lower end lies above the upper one"),
     ],
 )
@@ -178,7 +187,7 @@ def test_without_enclosure_nothing_is_claimed_and_the_reason_told(measure, words
     assert words in claim.why
     # Results tell of it, and have no paths in them.
     assert str(Path(__file__).parent) not in claim.why
-    if not isinstance(measure, Silent | Swapped):
+    if not isinstance(measure, Silent | Swapped | Doubled):
         assert claim.why.startswith(f"{__name__}, line ")
 
 

@@ -8,10 +8,12 @@ machine cannot stand.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from orthospec.errors import NoEnclosure
 from orthospec.intervals import Boxes
 from orthospec.measures import Demand
 from orthospec.measures.demand import ROUNDING, bounded_side
@@ -41,7 +43,7 @@ def cases_of(family: Family, demands: tuple[Demand, ...], start: Boxes, slack: f
     cases = [_reach_case(family, reach, slack)]
     for demand in demands:
         bounds = tuple(c for c in conditions if c.kind == "bound" and c.name == demand.name)
-        cases.append(_bounds_case(family, demand, bounds, slack))
+        cases.append(_bounds_case(family, demand, bounds, start, slack))
     return cases
 
 
@@ -59,7 +61,13 @@ def _reach_case(family: Family, conditions: tuple[Condition, ...], slack: float)
     return Case(conditions, np.array([slack if c.side else 0.0 for c in conditions]), over, at)
 
 
-def _bounds_case(family: Family, demand: Demand, conditions: tuple[Condition, ...], slack: float) -> Case:
+def _bounds_case(
+    family: Family, demand: Demand, conditions: tuple[Condition, ...], start: Boxes, slack: float
+) -> Case:
+    @cache
+    def axes() -> int:
+        return np.ndim(demand.measure.values(*family.at(start.lo)))
+
     def excess(ends: Callable[[str], Array]) -> Array:
         rows = []
         for side, bound in demand.bounds.items():
@@ -69,6 +77,11 @@ def _bounds_case(family: Family, demand: Demand, conditions: tuple[Condition, ..
 
     def over(boxes: Boxes) -> Array:
         found = demand.enclosure(*family.over(boxes))
+        if found.ndim != axes():
+            title = type(demand.measure).__name__
+            raise NoEnclosure(
+                f"{title} gives an enclosure of shape {found.shape} for values of {axes()} axes"
+            )
         known = excess(lambda side: found.hi if side == "at_most" else found.lo)
         with np.errstate(invalid="ignore"):
             return np.asarray(known + ROUNDING * np.maximum(np.abs(known), 1.0))
