@@ -114,11 +114,20 @@ static int take_quantities(PyObject *parts, Quantities *x)
     return 0;
 }
 
+static int have_one_shape(const Py_buffer *a, const Py_buffer *b, int axes)
+{
+    for (int axis = 0; axis < axes; axis++)
+        if (a->shape[axis] != b->shape[axis])
+            return 0;
+    return 1;
+}
+
 static const char *wrong_quantities(const Quantities *x, size_t d)
 {
+    const Py_buffer *const like = &x->views[LO];
     for (int i = 0; i < x->count; i++) {
-        const Py_buffer *const view = &x->views[i], *const like = &x->views[LO];
-        if (view->ndim - (i == G) != like->ndim || memcmp(view->shape, like->shape, (size_t)like->ndim * sizeof *like->shape) != 0)
+        const Py_buffer *const view = &x->views[i];
+        if (view->ndim - (i == G) != like->ndim || !have_one_shape(view, like, like->ndim))
             return "the arrays of quantities have different shapes";
         if (i == G && view->shape[like->ndim] != (Py_ssize_t)d)
             return "the slopes are of another number of coordinates than the rows of out";
