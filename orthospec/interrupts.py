@@ -11,14 +11,27 @@ from contextlib import contextmanager
 @contextmanager
 def ctrl_c_waiting() -> Iterator[None]:
     """Let Ctrl-C come at the end; processes begun meanwhile never hear it, not even while they import."""
-    if hasattr(signal, "pthread_sigmask"):
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            yield
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    with _noted(), _masked():
+        yield
+
+
+@contextmanager
+def _masked() -> Iterator[None]:
+    """What this thread, and the processes that it begins, do not hear; another thread may hear it yet."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
         return
-    if threading.current_thread() is not threading.main_thread():
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _noted() -> Iterator[None]:
+    """Whichever thread hears it, the main one acts on it, at the end."""
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) is None:
         yield
         return
     heard: list[int] = []
@@ -27,5 +40,5 @@ def ctrl_c_waiting() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, handler)
-    if heard:
-        raise KeyboardInterrupt
+        if heard:
+            signal.raise_signal(signal.SIGINT)
