@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -253,6 +254,43 @@ def test_a_fault_on_the_way_leaves_the_old_result(
     with pytest.raises(UsageError, match="cannot be written: no space left"):
         write_result(folder, spec, compose(spec, _full(spec, finding)), {})
     assert (folder / "result.yaml").read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_what_stops_it_between_the_two_renames_leaves_the_old_result(
+    spec: Spec, finding: Finding, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "out"
+    write_result(folder, spec, compose(spec, finding), {})
+    rename = Path.rename
+
+    def stopped(self: Path, target: Path) -> Path:
+        rename(self, target)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "rename", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        write_result(folder, spec, compose(spec, _full(spec, finding)), {})
+    assert read_result(folder) == compose(spec, finding)
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_ctrl_c_between_the_two_renames_waits_until_both_are_done(
+    spec: Spec, finding: Finding, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, fresh = tmp_path / "out", compose(spec, _full(spec, finding))
+    write_result(folder, spec, compose(spec, finding), {})
+    rename = Path.rename
+
+    def interrupted(self: Path, target: Path) -> Path:
+        moved = rename(self, target)
+        signal.raise_signal(signal.SIGINT)
+        return moved
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_result(folder, spec, fresh, {})
+    assert read_result(folder) == fresh
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 

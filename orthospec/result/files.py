@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from orthospec.errors import OrthospecError, SpecError, UsageError
+from orthospec.interrupts import ctrl_c_waiting
 from orthospec.result.model import Result
 from orthospec.spec.document import Document
 from orthospec.spec.load import load_spec
@@ -50,13 +51,16 @@ def write_result(
     """Write a result folder; one that is there already is replaced, other files in it are kept.
 
     ``pages`` are texts for people, by the names of their files.
-    A fault or a signal on the way leaves the old folder as it was.
+    A fault on the way leaves the old folder as it was; Ctrl-C comes when the folder is written.
     """
     check_destination(folder)
     target = folder.resolve()
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch:
+        with (
+            ctrl_c_waiting(),
+            tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch,
+        ):
             fresh = Path(scratch) / "new"
             fresh.mkdir()
             _fill(fresh, spec, content, log, fields)
@@ -99,18 +103,19 @@ def _write(path: Path, text: str) -> None:
 
 
 def _put_in_place(fresh: Path, target: Path, old: Path) -> None:
-    """One rename, or two where a result is replaced: then what was there is put back if the second fails."""
+    """One rename, or two where a result is replaced: what was there is put back unless both are done."""
     if not target.exists():
         fresh.rename(target)
         return
     for other in target.iterdir():
         if other.name not in _OURS:
             _copy(other, fresh / other.name)
-    target.rename(old)
     try:
+        target.rename(old)
         fresh.rename(target)
     except BaseException:
-        os.rename(old, target)
+        if not target.exists():
+            os.rename(old, target)
         raise
 
 
