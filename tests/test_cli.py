@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 
 import orthospec.cli
 import orthospec.optimise
+import orthospec.result.files
 from orthospec.errors import PluginFault, UsageError
 from orthospec.optimise import Outcome, evaluate_spec
 from orthospec.result import PluginError, Search, read_result
@@ -163,6 +164,41 @@ def test_a_page_that_cannot_be_made_is_left_out_and_costs_nothing_else(
         "run.log.json",
         "spec.yaml",
     ]
+
+
+@pytest.mark.parametrize("page", ["report", "preview"])
+def test_ctrl_c_while_a_page_is_made_leaves_the_rest_of_the_result(
+    page: str, spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: Any) -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"orthospec.study.study.{page}", stopped)
+    told = _orthospec("evaluate", spec.name, "-o", "out", code=4)
+    assert f"note: stopped at {page}.html: this page, and any after it, is left out" in told.stderr
+    assert "Written to out" in told.stdout
+    made = {"report": [], "preview": ["report.html"]}[page]
+    assert sorted(path.name for path in Path("out").iterdir()) == [
+        *made,
+        "result.yaml",
+        "run.log.json",
+        "spec.yaml",
+    ]
+
+
+def test_ctrl_c_while_the_folder_is_written_waits_until_it_is(
+    spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dump = orthospec.result.files.dump
+
+    def interrupted(content: Any) -> str:
+        signal.raise_signal(signal.SIGINT)
+        return dump(content)
+
+    monkeypatch.setattr("orthospec.result.files.dump", interrupted)
+    _orthospec("evaluate", spec.name, "-o", "out", code=4)
+    assert read_result(Path("out"))["status"] == "evaluated"
+    assert Path("out/preview.html").is_file()
 
 
 def test_report_is_written_anew_where_it_is_wanted(spec: Path) -> None:

@@ -88,19 +88,31 @@ class Study(Solution):
     ) -> Path:
         """Write the result folder, whole or not at all; the folder.
 
-        A page that cannot be made is left out, which is ``told``, and costs nothing else.
+        A page that cannot be made is left out, which is ``told``, and costs nothing else. Ctrl-C leaves out
+        the pages that are not made yet, and the outcome is then an interrupted one.
         Raises `UsageError` where there is something else in it, or without a spec.
         """
         if self.spec is None:
             raise UsageError("a result without its spec cannot be written as a folder")
         pages = {}
-        for name, make in {REPORT: self.report, PREVIEW: self.preview}.items():
-            try:
-                pages[name] = make()
-            except Exception as error:
-                told(f"{name} is left out: {type(error).__name__}: {error}")
-        write_result(Path(folder), self.spec, self.content, self.log, fields, pages)
+        try:
+            for name, make in {REPORT: self.report, PREVIEW: self.preview}.items():
+                try:
+                    pages[name] = make()
+                except Exception as error:
+                    told(f"{name} is left out: {type(error).__name__}: {error}")
+        except KeyboardInterrupt:
+            told(f"stopped at {name}: this page, and any after it, is left out")
+            self._interrupted()
+        try:
+            write_result(Path(folder), self.spec, self.content, self.log, fields, pages)
+        except KeyboardInterrupt:
+            self._interrupted()
         return Path(folder)
+
+    def _interrupted(self) -> None:
+        if self.outcome is not None:
+            self.outcome.interrupted = True
 
     def export(self, *files: Path | str) -> list[Path]:
         """Write files for other programs, by their names: see `orthospec.exchange.KINDS`; those written."""
