@@ -259,6 +259,18 @@ CHANGES = {
         "use: orthoglide\n", "use: orthoglide\n  joint_limits: {min: [1, 2]}\n",
         ["8:23: 3 values were expected, 2 given"],
     ),
+    "a measure in the place of an axis": (
+        "  transmission:\n", "  axis_x:\n",
+        ["13:3: 'axis_x' is a coordinate of the measures' fields; give the measure another name"],
+    ),
+    "a measure under the name of an axis": (
+        "  transmission:\n", "  z:\n",
+        ["13:3: 'z' is a coordinate of the measures' fields; give the measure another name"],
+    ),
+    "a measure in the place of least and greatest": (
+        "  transmission:\n", "  end:\n",
+        ["13:3: 'end' is a coordinate of the measures' fields; give the measure another name"],
+    ),
     "a size of four": ("0.8]", "0.8, 1]", ["10:9: 3 values were expected at most, 4 given"]),
     "a level that is no list": (
         "at_most: 2", "levels: {at_most: 1.5}", ["16:23: a list [ ... ] was expected, 1.5 given"],

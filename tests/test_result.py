@@ -7,6 +7,7 @@ import json
 import math
 import os
 import signal
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -200,6 +201,17 @@ def test_a_folder_is_written_and_read_back(spec: Spec, finding: Finding, tmp_pat
     assert load_spec(folder / "spec.yaml").sha256() == content["provenance"]["spec_sha256"]
     assert json.loads((folder / "run.log.json").read_text()) == {"seconds": {"evaluate": 1.5}}
     assert np.load(folder / "fields.npz")["scale"].tolist() == [0.0, 1.0, 2.0]
+
+
+def test_fields_stand_under_any_name_and_without_a_date(spec: Spec, finding: Finding, tmp_path: Path) -> None:
+    fields = {"file": np.arange(3.0), "allow_pickle": np.full((2, 2), np.nan)}
+    write_result(tmp_path / "any", spec, compose(spec, finding), {}, fields)
+    with np.load(tmp_path / "any" / "fields.npz") as kept:
+        assert kept.files == list(fields)
+        for name, values in fields.items():
+            assert np.array_equal(kept[name], values, equal_nan=True)
+    with zipfile.ZipFile(tmp_path / "any" / "fields.npz") as archive:
+        assert {one.date_time for one in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
 
 def test_a_long_sweep_is_read_back_though_no_spec_is_so_long(

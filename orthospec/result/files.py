@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import tempfile
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -93,9 +94,17 @@ def _fill(
     _write(folder / SPEC, spec.source)
     _write(folder / LOG, json.dumps(log, indent=2, ensure_ascii=False) + "\n")
     if fields:
-        import numpy as np
+        _write_fields(folder / FIELDS, fields)
 
-        np.savez_compressed(folder / FIELDS, allow_pickle=False, **fields)
+
+def _write_fields(path: Path, fields: Mapping[str, Array]) -> None:
+    """As ``np.savez_compressed`` does, which takes names for its own arguments; the same bytes each day."""
+    import numpy as np
+
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, values in fields.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, values, allow_pickle=False)
 
 
 def _write(path: Path, text: str) -> None:

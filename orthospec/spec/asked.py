@@ -26,11 +26,20 @@ def demands(draft: Draft, in_goals: frozenset[str]) -> list[DemandPlan]:
     """The measures whose class is known; ``in_goals`` are those that a goal names."""
     plans = []
     for name, keys in draft.keys.measures.items():
+        _check_name(draft, name)
         _check_is_asked(draft, name, keys, in_goals)
         made_of = draft.measures.get(name)
         if made_of is not None:
             plans.append(_demand(draft, name, keys, made_of))
     return plans
+
+
+def _check_name(draft: Draft, name: str) -> None:
+    """A measure's field stands under its name, beside the nodes' coordinates and the ends of two values."""
+    axes = draft.machine.axes if draft.machine is not None else ()
+    if name in {"end", *axes, *(f"axis_{axis}" for axis in axes)}:
+        message = f"'{name}' is a coordinate of the measures' fields; give the measure another name"
+        draft.wrong(("measures", name), message, at_key=True)
 
 
 def _check_is_asked(draft: Draft, name: str, keys: MeasureKeys, in_goals: frozenset[str]) -> None:
