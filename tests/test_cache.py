@@ -22,6 +22,7 @@ from orthospec.optimise.kept_fields import KeptFields
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task, problem_of
 from orthospec.optimise.workers import Here, in_order
+from orthospec.registry import Installed
 from orthospec.result import compose
 from orthospec.spec import Spec
 from orthospec.spec.writing import dump
@@ -249,6 +250,54 @@ def test_edited_code_finds_nothing_of_before(
     known = versions.fingerprint(spec)
     monkeypatch.setattr(versions, "_hash_of", lambda _: "edited")
     assert versions.fingerprint(spec) != known
+
+
+@pytest.mark.parametrize(
+    ("name", "counts"),
+    [
+        ("data/table.csv", True),
+        ("_fast.so", True),
+        ("__pycache__/a.cpython-312.pyc", False),
+        (".DS_Store", False),
+    ],
+)
+def test_all_that_lies_in_a_plugins_package_counts_but_caches(
+    name: str, counts: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = f"with_files_{abs(hash(name))}"
+    file = tmp_path / package / name
+    file.parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / package / "__init__.py").write_text("")
+    file.write_text("1")
+    monkeypatch.syspath_prepend(tmp_path)
+    __import__(package)
+    before = versions._hash_of(package)
+    file.write_text("2")
+    versions._hash_of.cache_clear()
+    assert (versions._hash_of(package) != before) == counts
+
+
+def test_the_versions_of_what_a_plugin_requires_count(
+    tmp_path: Path, spec_of: Callable[..., Spec], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def told(helper: str) -> str:
+        for name, version, more in (
+            ("made-up", "1.0", "Requires-Dist: made-up-helper>=1\nRequires-Dist: pytest; extra == 'test'\n"),
+            ("made-up-helper", helper, ""),
+        ):
+            folder = tmp_path / f"{name.replace('-', '_')}.dist-info"
+            folder.mkdir(exist_ok=True)
+            (folder / "METADATA").write_text(
+                f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n{more}"
+            )
+        versions._required.cache_clear()
+        return versions.fingerprint(spec)
+
+    monkeypatch.syspath_prepend(tmp_path)
+    spec = spec_of(SPEC)
+    monkeypatch.setattr(Spec, "plugins", (Installed("", "", "made-up", "1.0", ""),))
+    assert told("1.1") != told("1.2")
+    assert versions._required("made-up") == ("made-up-helper 1.2",)
 
 
 RUN = """
