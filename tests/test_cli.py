@@ -9,7 +9,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -18,7 +18,9 @@ from typer.testing import CliRunner
 import orthospec.cli
 import orthospec.optimise
 import orthospec.result.files
+from orthospec import registry
 from orthospec.errors import PluginFault, UsageError
+from orthospec.measures import Measure
 from orthospec.optimise import Outcome, evaluate_spec
 from orthospec.result import PluginError, Search, read_result
 from orthospec.spec import load_spec
@@ -97,6 +99,38 @@ def test_each_status_has_its_exit_code_and_leaves_a_result(
     _solving(monkeypatch, status=status, errors=errors, search=Search(8, 4, 3, 3, 7, None))
     _orthospec("run", spec.name, "-o", "out", code=code)
     assert read_result(Path("out"))["status"] == status
+
+
+class Scattered(Measure):
+    """One where it is known, NaN at some poses in reach."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_least", "at_most"})
+
+    def values(self, manipulator: Any, poses: Any) -> Any:  # noqa: ARG002
+        return np.where(poses[:, 0] > 0.2, np.nan, 1.0)
+
+
+@pytest.mark.parametrize("command", [["run"], ["evaluate"], ["evaluate", "--prove"]])
+def test_a_measure_that_is_nan_at_some_poses_in_reach_is_5_where_every_bound_holds(
+    command: list[str], spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(registry, "find_measure", lambda _: Scattered)
+    spec.write_text(
+        SPEC.replace("variables:\n  leg: {min: 250 mm, max: 500 mm, start: 330 mm}\n", "")
+        .replace("leg, leg, leg", "0.33, 0.33, 0.33")
+        .replace("minimise: leg", "minimise: stroke")
+    )
+    _orthospec(*command, spec.name, "-o", "out", code=5)
+    found = read_result(Path("out"))
+    assert found["workspace"]["prescribed"]["holds"]
+    assert "gave NaN at the reachable pose" in found["errors"][0]["message"]
+
+
+def test_a_sweep_past_designs_without_a_machine_is_no_fault_of_a_plugin(spec: Path) -> None:
+    sweep = "sweep={variable: leg, from: -0.1, to: 0.3, points: 2}"
+    _orthospec("evaluate", spec.name, "--set", sweep, "-o", "out")
+    assert "no machine can be built" in read_result(Path("out"))["errors"][0]["message"]
 
 
 def test_json_is_all_that_stands_on_standard_output(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -299,7 +299,14 @@ def _code_of(found: Study) -> int:
         return STOPPED
     if found.status == "infeasible" or not found.outcome.finding.evaluation.holds:
         return NOT_MET
-    return DONE
+    return PLUGIN if _has_failed(found) else DONE
+
+
+def _has_failed(found: Study) -> bool:
+    """Whether a plugin failed anywhere; a sweep may pass designs without a machine, which is no fault."""
+    sweep = found.spec.place(("sweep",)) if found.spec is not None else None
+    errors = found.outcome.finding.errors if found.outcome is not None else ()
+    return any(error.place != sweep for error in errors)
 
 
 def _in_a_line(spec: Spec) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.optimise.appraise import FRONT, SWEEP, Asked, asked
+from orthospec.errors import PluginFault
+from orthospec.optimise.appraise import FRONT, SWEEP, Asked, asked, error_of
 from orthospec.optimise.limits import find_limits
 from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.pareto import find_front
@@ -72,8 +74,13 @@ def sweep_of(
     found, left_out = [], []
     for values, point in zip(line, in_order(workers, SWEEP, space, points, progress), strict=True):
         if point.evaluation is None:
-            message = f"at {sweep.variable} = {values[sweep.variable]:g}: {point.error}"
-            left_out.append(PluginError("sweep", spec.place(("sweep",)), message))
+            error = (
+                error_of(point.error)
+                if isinstance(point.error, PluginFault)
+                else PluginError("sweep", spec.place(("sweep",)), str(point.error))
+            )
+            at = f"at {sweep.variable} = {values[sweep.variable]:g}"
+            left_out.append(replace(error, message=f"{at}: {error.message}"))
             continue
         status: Status = "failed" if point.faults else "evaluated"
         found.append(Finding(status, spec.design(values), point.evaluation, errors=point.errors))
