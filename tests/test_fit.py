@@ -348,13 +348,72 @@ def test_a_region_holds_the_cuboid():
     assert -found.factor == pytest.approx(0.25, abs=1e-9)
 
 
-@pytest.mark.parametrize(("measure", "says"), [(Bent(), "not convex"), (Raising(), "no such thing")])
+def _with_form(form):
+    """A measure with this form."""
+
+    class Formed(Plain):
+        def form(self, manipulator, poses, side):  # noqa: ARG002
+            return form(poses)
+
+    return Formed()
+
+
+def _below(x, bound, slack):
+    return [x[0] <= bound + slack]
+
+
+@pytest.mark.parametrize(
+    ("measure", "says"),
+    [
+        (Bent(), "not convex"),
+        (Raising(), "no such thing"),
+        (_with_form(lambda _: 5), "its convex form: gave int, not a ConvexForm or None"),
+        (
+            _with_form(lambda poses: ConvexForm(poses.tolist(), _below)),
+            "inside is list, not an array of floats",
+        ),
+        (
+            _with_form(lambda _: ConvexForm(np.ones((7, 1)), _below)),
+            r"inside has shape \(7, 1\) for 1 poses, not \(n, ...\)",
+        ),
+        (
+            _with_form(lambda poses: ConvexForm(poses, lambda x, bound, slack: [x.nothing <= bound + slack])),
+            "holds raised AttributeError",
+        ),
+        (_with_form(lambda poses: ConvexForm(poses, lambda *_: 5)), "cvxpy takes no such constraints"),
+    ],
+)
 def test_a_broken_form_is_the_plugins_fault_with_its_place(measure, says):
     problem = polish_problem(measure, {"at_most": 2.0})
     with pytest.raises(PluginFault, match=says) as fault:
         problem.rows(problem.start)
     assert fault.value.place == "s.yaml:7:3"
     assert type(measure).__name__ in fault.value.plugin
+
+
+@pytest.mark.parametrize(
+    ("form", "says"),
+    [
+        (
+            lambda poses: ConvexForm(np.full((len(poses), 1), np.nan), _below),
+            r"inside is not finite at \(.*\), where the value is",
+        ),
+        (
+            lambda poses: ConvexForm(poses[:1], _below),
+            r"inside has shape \(1, 3\) for \d+ poses, not \(n, ...\)",
+        ),
+        (
+            lambda poses: ConvexForm(poses, _below) if len(poses) == 1 else None,
+            r"gave None for \d+ poses, a form for others",
+        ),
+    ],
+)
+def test_a_form_that_is_broken_over_several_poses_is_the_plugins_fault(form, says):
+    problem = polish_problem(_with_form(form), {"at_most": 2.0})
+    rows = problem.rows(problem.start)
+    with pytest.raises(PluginFault, match=says) as fault:
+        problem.smooth(problem.start[None], rows)
+    assert fault.value.place == "s.yaml:7:3"
 
 
 def test_a_cuboid_out_of_reach_cannot_be_assessed():

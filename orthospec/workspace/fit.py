@@ -22,7 +22,7 @@ from orthospec.workspace.conditions import Condition, Extreme, Sample, condition
 from orthospec.workspace.critical import NODES, find_peaks, lattice, worst_points
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.drift import INSIDE, Box, moving_curvature
-from orthospec.workspace.forms import Forms, form_of
+from orthospec.workspace.forms import Forms, inside_of
 from orthospec.workspace.layout import Layout, Limits, Point
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.objective import Objective, wanted_worse
@@ -299,9 +299,8 @@ class FitProblem:
     ) -> list[Array]:
         parts = []
         for part in selection.forms:
-            form = form_of(machine, str(part.term.of), str(part.term.side), poses[part.group])
-            assert form is not None
-            inside = form.inside.reshape(len(points), len(selection.slots[part.group]), -1)[:, part.at]
+            given = inside_of(machine, str(part.term.of), str(part.term.side), poses[part.group])
+            inside = given.reshape(len(points), len(selection.slots[part.group]), -1)[:, part.at]
             bound = np.array([self._bound(machine, part.term, point) for point in points])
             with np.errstate(divide="ignore", invalid="ignore"):
                 pair = np.stack([bound, np.log(bound)], axis=-1)
