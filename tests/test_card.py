@@ -112,6 +112,32 @@ def test_a_hard_goal_that_asks_too_much_is_told_with_the_value_that_can_be_had(s
     assert goal.place.endswith("spec.yaml:7:31")
 
 
+def test_a_variable_that_must_go_far_beyond_its_range_is_told_how_far(spec_of):
+    text = SHORT.replace("min: 100 mm, max: 300 mm, start: 280 mm", "min: 299.9 mm, max: 300 mm")
+    leg = culprits(solve(spec_of(text)).finding)["variable", "leg", "at_most"]
+    assert leg.needed == pytest.approx(least_leg(2.0), rel=1e-7)
+    assert leg.by == pytest.approx((least_leg(2.0) - 0.3) / 1e-4, rel=1e-5)
+
+
+def test_of_two_conflicts_through_one_variable_it_alone_is_the_way_out(spec_of):
+    """Longer legs bring both factors near 1; without the upper bound the lower one still conflicts."""
+    spec = spec_of(SHORT, "measures.transmission.at_least=0.97", "measures.transmission.at_most=1.03")
+    finding = solve(spec).finding
+    found = culprits(finding)
+    assert found["variable", "leg", "at_most"].needed > 1.0
+    assert {one.by for one in found.values() if one.kind == "bound"} == {None}
+    text = " ".join(show(compose(spec, finding), width=100, colour=False, spec=spec).split())
+    assert "These cannot all hold. variable leg: at most 300 mm" in text
+
+
+def test_what_is_not_enough_says_how_far_was_tried(short):
+    spec, finding = short
+    content = compose(spec, finding)
+    content["search"]["card"]["conflict"][0] |= {"by": None, "needed": None}
+    text = " ".join(show(content, width=100, colour=False, spec=spec).split())
+    assert "no design was found by loosening it alone, by up to 10000 times its range" in text
+
+
 def test_where_a_design_is_found_there_is_no_card(spec_of):
     assert solve(spec_of(SHORT, "variables.leg.max=400 mm")).finding.search.card is None
 

@@ -16,7 +16,7 @@ from orthospec.composite.trust_region import FEASIBLE, minimise
 from orthospec.optimise.objective import GoalObjective
 from orthospec.optimise.place import Place
 from orthospec.optimise.space import DesignSpace
-from orthospec.result import Limit
+from orthospec.result import FURTHEST, Limit
 from orthospec.workspace.conditions import Condition, Extreme, conditions_of
 from orthospec.workspace.fit import FitProblem
 from orthospec.workspace.layout import Limits, Point
@@ -27,13 +27,15 @@ if TYPE_CHECKING:
 
 SMALLEST = 1e-3
 """The least scale of a cuboid that a look starts from or ends at."""
-WIDE = 10.0
-"""The end of a variable's range is left out by moving it this many ranges away."""
+AWAY = (10.0, 100.0, 1000.0, FURTHEST)
+"""An end of a variable's range is left out by moving it this many ranges away, the fewest that do."""
 SUBPROBLEMS = 60
 """Most subproblems spent on one look."""
 
 Loosening: TypeAlias = Mapping[Limit, float]
 """How far each condition is loosened, relative; infinite where it is left out."""
+Box: TypeAlias = "tuple[Array, Array]"
+"""The least and the greatest of each scaled variable, (k,) each."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,8 @@ class Aims:
 
     goals: GoalObjective
     held: Flags
+    ranges: Box
+    """The ends of the spec's ranges, as the space of the solve has them."""
     loose: tuple[Limit, ...] = ()
     largest: bool = False
 
@@ -101,8 +105,9 @@ class Aims:
         return np.array([owner in names for owner in self.goals.owners], dtype=bool)
 
     def _beyond(self, one: Limit, point: Point) -> float:
-        z = float(point.design[self.goals.names.index(one.name)])
-        return z - 1 if one.side == "at_most" else -z
+        k = self.goals.names.index(one.name)
+        z, low, high = float(point.design[k]), float(self.ranges[0][k]), float(self.ranges[1][k])
+        return (z - high if one.side == "at_most" else low - z) / (high - low)
 
 
 @dataclass(frozen=True)
@@ -138,29 +143,51 @@ def stem(name: str) -> str:
 def look(space: DesignSpace, place: Place, loosening: Loosening, least: tuple[Limit, ...] = ()) -> Look:
     """Seek a design with some conditions loosened or left out, or with ``least`` loosened least."""
     moved = {one.name: by for one, by in loosening.items() if one.kind == "goal"}
-    goals = GoalObjective(space, place.design, _goal_shifts(space, place, moved))
-    held = [
-        size > 0 and moved.get(name) != inf for name, size in zip(goals.owners, goals.on_slack, strict=True)
-    ]
-    joints = joint_limits(space, place)
+    shifts, joints = _goal_shifts(space, place, moved), joint_limits(space, place)
     relaxed = {
         condition: _excess(condition, by)
         for one, by in loosening.items()
         for condition in _conditions(one, joints)
     }
-    aims = Aims(goals, np.array(held, dtype=bool), least)
-    limits = replace(place.limits(space), design=_box(space, loosening))
-    return _solve(space, place, aims, limits, relaxed)
+    for box in _boxes(space, place, loosening):
+        wide = space.within(*box)
+        here = place.carried(space, wide)
+        goals = GoalObjective(wide, here.design, shifts)
+        held = [
+            size > 0 and moved.get(name) != inf
+            for name, size in zip(goals.owners, goals.on_slack, strict=True)
+        ]
+        aims = Aims(goals, np.array(held, dtype=bool), _ranges(space, wide), least)
+        seen = _solve(wide, here, aims, here.limits(wide), relaxed)
+        if seen.found:
+            break
+    return replace(seen, at=seen.at.carried(wide, space))
 
 
-def _box(space: DesignSpace, loosening: Loosening) -> tuple[Array, Array]:
-    """The variables' ranges with some ends moved."""
+def _boxes(space: DesignSpace, place: Place, loosening: Loosening) -> list[Box]:
+    """The variables' ranges with some ends moved: where one is left out, further and further from the place.
+
+    A solve takes steps of the size of its ranges: wide ones lead far, narrow ones are resolved well.
+    """
+    left_out = any(one.kind == "variable" and by == inf for one, by in loosening.items())
+    boxes = [_box(space, loosening, away) for away in (AWAY if left_out else AWAY[-1:])]
+    z = place.design
+    return [(low, high) for low, high in boxes[:-1] if ((low <= z) & (z <= high)).all()] + boxes[-1:]
+
+
+def _box(space: DesignSpace, loosening: Loosening, away: float) -> Box:
     box = np.zeros(len(space.names)), np.ones(len(space.names))
     for one, by in loosening.items():
         if one.kind == "variable":
             side = ("at_least", "at_most").index(str(one.side))
-            box[side][space.names.index(one.name)] += (-1.0, 1.0)[side] * min(by, WIDE)
+            box[side][space.names.index(one.name)] += (-1.0, 1.0)[side] * min(by, away)
     return box
+
+
+def _ranges(space: DesignSpace, wide: DesignSpace) -> Box:
+    ends = (np.zeros(len(space.names)), np.ones(len(space.names)))
+    low, high = (wide.scaled(space.values(end)) for end in ends)
+    return low, high
 
 
 def _solve(
@@ -205,7 +232,7 @@ def _goal_shifts(space: DesignSpace, place: Place, moved: dict[str, float]) -> d
 def largest_scale(space: DesignSpace, place: Place) -> float | None:
     """The scale of the largest cuboid in which everything holds; None where none was found."""
     goals = GoalObjective(space, place.design)
-    aims = Aims(goals, goals.on_slack > 0, largest=True)
+    aims = Aims(goals, goals.on_slack > 0, _ranges(space, space), largest=True)
     limits = replace(place, scales=(SMALLEST, 1.0), least_scale=None).limits(space)
     seen = _solve(space, place, aims, limits, {})
     return seen.at.scale if seen.found and SMALLEST < seen.at.scale < 1.0 else None

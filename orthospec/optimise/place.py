@@ -55,6 +55,10 @@ class Place:
         )
         return replace(self, z=tuple(map(float, point.design)), groups=groups, scale=float(point.scale))
 
+    def carried(self, space: DesignSpace, other: DesignSpace) -> Place:
+        """The same place in a space of the same variables with other ranges."""
+        return replace(self, z=tuple(map(float, other.scaled(space.values(self.design)))))
+
     def cuboids(self, space: DesignSpace) -> dict[str, Cuboid]:
         """The prescribed cuboids, by measure; "" names the joint one."""
         size = self.scale * space.setting.size

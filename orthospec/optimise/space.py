@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,10 +74,20 @@ class DesignSpace:
         """The same space, for a task that shares out its parts."""
         return DesignSpace(self.spec, self.cache, helpers, self.forms)
 
+    def within(self, low: Array, high: Array) -> DesignSpace:
+        """The space of the same problem between two scaled designs, (k,) each, in or beyond this one."""
+        ends = zip(self.names, *(self._plain(z) for z in (low, high)), strict=True)
+        variables = {name: replace(self.spec.variables[name], min=a, max=b) for name, a, b in ends}
+        spec = replace(self.spec, variables={**self.spec.variables, **variables})
+        return DesignSpace(spec, self.cache, self.helpers, self.forms)
+
+    def _plain(self, z: Array) -> list[float]:
+        """The values of what varies, exact at both ends."""
+        return [float(x) for x in np.where(z == 1.0, self.high, self.low + z * (self.high - self.low))]
+
     def values(self, z: Array) -> dict[str, float]:
         """All variables' values, exact at both ends of their ranges; a catalogue's is its start."""
-        x = np.where(z == 1.0, self.high, self.low + z * (self.high - self.low))
-        return self.spec.default_values() | dict(zip(self.names, map(float, x), strict=True))
+        return self.spec.default_values() | dict(zip(self.names, self._plain(z), strict=True))
 
     def scaled(self, values: Mapping[str, float]) -> Array:
         """Z of these values."""

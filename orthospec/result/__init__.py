@@ -14,6 +14,7 @@ from orthospec.result.files import (
 )
 from orthospec.result.model import Result
 from orthospec.result.records import (
+    FURTHEST,
     Attainment,
     Branch,
     Card,
@@ -29,6 +30,7 @@ from orthospec.result.records import (
 )
 
 __all__ = [
+    "FURTHEST",
     "PREVIEW",
     "REPORT",
     "RESULT",

@@ -171,7 +171,7 @@ class CulpritRecord(_Record):
     needed: float | None = None
     """The nearest value with which a design was found, all else held."""
     by: float | None = None
-    """How far that is, as a part of the bound or of the variable's range; null where it alone does not do.
+    """How far that is, as a part of the bound or of the variable's range; null where none was found.
 
     Not in the file where the run was stopped before it was known.
     """

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 Status: TypeAlias = Literal["attained", "compromise", "infeasible", "evaluated", "unfinished", "failed"]
 
+FURTHEST = 1e4
+"""An end of a variable's range is loosened by no more than so many ranges."""
+
 
 @dataclass(frozen=True)
 class GoalOutcome:
@@ -76,7 +79,7 @@ class Culprit:
     needed: float | None
     """The nearest value with which a design was found, all else held."""
     by: float | None
-    """How far that is: a part of the bound, of the variable's range; None where it alone does not do."""
+    """How far that is: a part of the bound, of the variable's range; None where none was found."""
     sought: bool = True
     """Whether that was looked for: not where the run was stopped before."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from orthospec.result import Result
+from orthospec.result import FURTHEST, Result
 from orthospec.result.model import (
     BracketRecord,
     BranchRecord,
@@ -258,7 +258,8 @@ def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[st
     if "by" not in culprit.model_fields_set:
         return said, "stopped before it was known how far it alone would have to give way"
     if culprit.by is None:
-        return said, "loosening it alone does not do"
+        tried = f", by up to {FURTHEST:.0f} times its range" if culprit.kind == "variable" else ""
+        return said, f"no design was found by loosening it alone{tried}"
     whole = {"variable": "of its range", "goal": "of the goal"}.get(culprit.kind, "")
     part = f"by {percent(culprit.by)} {whole}".rstrip()
     if culprit.needed is None:
@@ -273,7 +274,8 @@ def way_out(culprit: CulpritRecord, known: Labels, numbers: Numbers) -> tuple[st
 
 def conflict(card: CardRecord) -> str:
     """How far the conditions of a conflict were taken apart."""
-    few = "; without any one of them a design was found" if card.irreducible else ""
+    each_alone = card.irreducible and all(one.by is not None for one in card.conflict)
+    few = "; without any one of them a design was found" if each_alone else ""
     return f"These cannot all hold{few}."
 
 
