@@ -255,3 +255,9 @@ def test_progress_is_told():
     told = []
     evaluate(machine_of(transmission()), setting(), progress=lambda *step: told.append(step))
     assert told[-1][1] == told[-1][2] > 0
+
+
+@pytest.mark.parametrize(("size", "scale"), [(0.05, 0.25), (0.2, 1.0), (0.2 - 1e-12, 1.0)])
+def test_a_cuboid_that_is_not_of_the_prescribed_size_has_its_scale(size, scale):
+    place = {"": Cuboid.around(np.zeros(3), np.full(3, size))}
+    assert evaluate(machine_of(transmission()), setting(), place).prescribed.scale == pytest.approx(scale)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import io
 import json
 import os
@@ -87,6 +88,13 @@ def test_the_scene_has_what_its_panel_names(solved: Solution) -> None:
     }
     assert {group.path for group in scene.groups} | {scale.path for scale in scene.scales} == paths
     assert "transmission at most 1.5, scale" in "; ".join(group.words for group in scene.groups)
+
+
+def test_a_cuboid_that_stands_shrunk_says_so(solved: Solution) -> None:
+    content: dict[str, Any] = copy.deepcopy(dict(solved.content))
+    content["workspace"]["prescribed"]["scale"] = 0.25
+    scene = scene_of(Subject(Solution(content, solved.spec)))
+    assert "the prescribed cuboid shrunk to 25 %" in [group.words for group in scene.groups]
 
 
 def test_colours_on_the_faces_are_the_values(solved: Solution) -> None:

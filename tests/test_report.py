@@ -157,7 +157,7 @@ def test_names_in_the_page_are_its_own(page: str) -> None:
 
 def test_page_says_what_the_terminal_says(rich: Solution, page: str) -> None:
     reading = read(rich.content, rich.spec)
-    told = [words.status(reading.result)[1], words.searched(rich.result.search or pytest.fail("no search"))]
+    told = [words.status(reading.result)[1], words.searched(rich.result)]
     told += [words.limiting(one, reading.known, reading.numbers) for one in rich.result.limits]
     told += [
         "These cannot all hold",
@@ -169,6 +169,14 @@ def test_page_says_what_the_terminal_says(rich: Solution, page: str) -> None:
     assert [one for one in told if one not in page] == []
     assert "Legs &amp; feet &lt;two&gt;" in page
     assert "<two>" not in page
+
+
+def test_page_says_of_a_cuboid_that_stands_shrunk_that_it_is(evaluated: Solution) -> None:
+    content = copy.deepcopy(dict(evaluated.content))
+    content["workspace"]["prescribed"]["scale"] = 0.25
+    page = report(Solution(content, evaluated.spec))
+    assert "Measures over the prescribed cuboid shrunk to 25 %" in page
+    assert page.count("shrunk to 25 %") >= 3
 
 
 def test_page_of_a_result_without_its_spec_says_so(rich: Solution) -> None:

@@ -136,6 +136,15 @@ def test_a_whole_result_reads_as_an_engineer_writes(spec: Spec) -> None:
         assert line in text.splitlines()
 
 
+def test_a_cuboid_that_stands_shrunk_says_so_wherever_something_is_told_over_it(spec: Spec) -> None:
+    workspace = {**CONTENT["workspace"], "prescribed": {**CUBOID, "scale": 0.25, "holds": False}}
+    text = _text(spec, workspace=workspace, status="infeasible")
+    assert "prescribed cuboid  200 x 200 x 200 mm, shrunk to 25 %, not every bound holds" in text
+    assert "Measures over the prescribed cuboid shrunk to 25 %" in text
+    said = "The prescribed cuboid is shrunk to 25 %: joints, indices and measures are told over that."
+    assert said in " ".join(text.split())
+
+
 def test_hard_goals_and_goals_without_a_value_are_told(spec: Spec) -> None:
     lines = [line.split() for line in _text(spec, width=100).splitlines()]
     assert ["stretch", "2", "2", "hard", "met", "minimise", "highest(transmission)"] in lines

@@ -144,7 +144,7 @@ def _cuboids(scene: Scene, subject: Subject) -> None:
         if k == 0 and len(cuboid.low) == 3:
             u, triangles = _faces(3)
             scene.things.append(Mesh(f"{path}/faces", cuboid.poses(u, 3), triangles, colour, 0.07))
-        said = "the prescribed cuboid" if k == 0 else f"{label}, scale {scale:.6g}"
+        said = f"the prescribed cuboid{words.scaled(scale)}" if k == 0 else f"{label}, scale {scale:.6g}"
         scene.groups.append(Group(path, said, colour))
 
 

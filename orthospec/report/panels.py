@@ -94,6 +94,7 @@ def _machine(solution: Solution, reading: Reading, design: Design) -> list[Panel
         fixed=np.ptp(lengths, axis=0) <= 1e-9 * lengths.max(),
         low=in_space(cuboid.low, axes),
         high=in_space(cuboid.high, axes),
+        box=f"prescribed cuboid{words.scaled(words.cuboid_scale(reading.result))}",
         numbers=reading.numbers,
     )
     return machine.panels(drawing)

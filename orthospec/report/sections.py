@@ -66,7 +66,7 @@ def _facts(size: str, **more: Any) -> dict[str, Any]:
 def _prescribed(reading: Reading, place: PrescribedRecord) -> dict[str, Any]:
     numbers, axes = reading.numbers, reading.known.axes
     return _facts(
-        numbers.edges(place.min, place.max, axes),
+        tables.prescribed(reading, place),
         holding=words.holding(place),
         low=numbers.pose(place.min, axes),
         high=numbers.pose(place.max, axes),

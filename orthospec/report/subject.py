@@ -102,7 +102,8 @@ def bound_side(bounds: Mapping[str, float]) -> str:
 def nested(subject: Subject) -> list[tuple[str, Cuboid, float]]:
     """What is known of cuboids, with words, ends and scales; the prescribed one first."""
     workspace = subject.result.workspace
-    found = [] if subject.place is None else [("prescribed", subject.place, 1.0)]
+    scale = words.cuboid_scale(subject.result)
+    found = [] if subject.place is None else [("prescribed", subject.place, scale)]
     if workspace.joint is not None:
         found += _one(
             "largest for all measures", workspace.joint.min, workspace.joint.max, workspace.joint.scale

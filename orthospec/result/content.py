@@ -123,7 +123,14 @@ def _prescribed(prescribed: Prescribed | None) -> dict[str, Any] | None:
     if prescribed is None:
         return None
     low, high = _numbers(prescribed.cuboid.low), _numbers(prescribed.cuboid.high)
-    return {"min": low, "max": high, "holds": prescribed.holds, **_given(proof=_proof(prescribed.proof))}
+    scale = {} if prescribed.scale == 1 else {"scale": _number(prescribed.scale)}
+    return {
+        "min": low,
+        "max": high,
+        **scale,
+        "holds": prescribed.holds,
+        **_given(proof=_proof(prescribed.proof)),
+    }
 
 
 def _largest(largest: Largest) -> dict[str, Any]:

@@ -76,6 +76,8 @@ class BracketRecord(_Record):
 class PrescribedRecord(Ends):
     """The prescribed cuboid where it stands."""
 
+    scale: float = 1.0
+    """Of the prescribed size; in the file where it is another one."""
     holds: bool
     """Whether the reach and every bound hold everywhere in it."""
     proof: ProofRecord | None = None

@@ -49,8 +49,7 @@ class _Writer:
         self.page.heading(result.title or str(result.manipulator["use"]))
         manner, said = words.status(result)
         self.page.sentence(said, manner=manner)
-        if result.search is not None:
-            self.page.sentence(words.searched(result.search))
+        self.page.sentence(words.searched(result))
 
     def _goals(self) -> None:
         if self.reading.result.attainment is None:
@@ -84,7 +83,7 @@ class _Writer:
 
     def _prescribed(self, place: PrescribedRecord, indent: int = 2) -> None:
         manner, verdict = words.holding(place)
-        size = self.reading.numbers.edges(place.min, place.max, self.reading.known.axes)
+        size = tables.prescribed(self.reading, place)
         self.page.rows([("prescribed cuboid", f"{size}, {self.page.paint(verdict, manner)}")], indent=indent)
         self._corners(place, indent + 2)
         if place.proof is not None:
@@ -106,7 +105,7 @@ class _Writer:
     def _measures(self) -> None:
         measures, known = self.reading.result.workspace.measures, self.reading.known.measures
         if measures:
-            self.page.heading("Measures over the prescribed cuboid")
+            self.page.heading(tables.measures_heading(self.reading))
         for name, record in measures.items():
             asked = known.get(name)
             self.page.sentence(words.asked(name, asked, self.reading.numbers) if asked else name)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from orthospec.result.model import DesignRecord, Ends, LargestRecord, MeasureRecord, ParetoRecord, ProofRecord
+from orthospec.result.model import (
+    DesignRecord,
+    Ends,
+    LargestRecord,
+    MeasureRecord,
+    ParetoRecord,
+    PrescribedRecord,
+    ProofRecord,
+)
 from orthospec.show import machine as parts
 from orthospec.show import words
 from orthospec.show.labels import Field
@@ -88,6 +96,17 @@ def _joints(reading: Reading, joints: Ends) -> Iterator[tuple[str, str]]:
     for text in dict.fromkeys(texts):
         which = [str(k) for k, other in enumerate(texts, start=1) if other == text]
         yield f"joint{'s' if len(which) > 1 else ''} {', '.join(which)}", text
+
+
+def prescribed(reading: Reading, place: PrescribedRecord) -> str:
+    """Size of the prescribed cuboid where it stands, with its scale where that is another one."""
+    size = reading.numbers.edges(place.min, place.max, reading.known.axes)
+    return size if place.scale == 1 else f"{size},{words.scaled(place.scale)}"
+
+
+def measures_heading(reading: Reading) -> str:
+    """What the measures are told over."""
+    return f"Measures over the prescribed cuboid{words.scaled(words.cuboid_scale(reading.result))}"
 
 
 def largest(reading: Reading, one: LargestRecord) -> str:

@@ -46,8 +46,18 @@ def status(result: Result) -> tuple[str, str]:
     }[result.status]
 
 
-def searched(search: SearchRecord) -> str:
-    """What was searched, and what came of it."""
+def searched(result: Result) -> str:
+    """What was searched, and what came of it; nothing where nothing was."""
+    if result.search is None:
+        return ""
+    said = _searched(result.search)
+    scale = cuboid_scale(result)
+    if scale == 1:
+        return said
+    return f"{said} The prescribed cuboid is{scaled(scale)}: joints, indices and measures are told over that."
+
+
+def _searched(search: SearchRecord) -> str:
     said = f"Searched: {counted(search.designs, 'design')} on a coarse grid"
     if not search.refined and not search.starts:
         return f"{said}. What follows is the start."
@@ -113,6 +123,20 @@ def holds(one: DesignRecord) -> bool:
         return workspace.prescribed is not None and workspace.prescribed.holds
     bounded = [record for record in workspace.measures.values() if record.scale is not None]
     return all(record.prescribed is not None and record.prescribed.holds for record in bounded)
+
+
+def cuboid_scale(one: DesignRecord) -> float:
+    """The scale at which the prescribed cuboid stands, or each measure's own: it is the same for all."""
+    workspace = one.workspace
+    places = [workspace.prescribed, *(record.prescribed for record in workspace.measures.values())]
+    return next((place.scale for place in places if place is not None), 1.0)
+
+
+def scaled(scale: float) -> str:
+    """`` shrunk to 0.26 %`` of a cuboid that stands at another scale than the prescribed one."""
+    if scale == 1:
+        return ""
+    return f" {'shrunk' if scale < 1 else 'grown'} to {100 * scale:.4g} %"
 
 
 def holding(place: PrescribedRecord) -> tuple[str, str]:

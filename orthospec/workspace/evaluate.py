@@ -85,6 +85,8 @@ class Prescribed:
     holds: bool
     violation: float
     reached: bool
+    scale: float = 1.0
+    """Of the prescribed size: less where the search found no place for all of it, more where a goal asks."""
     proof: Proof | None = None
 
 
@@ -162,7 +164,7 @@ def evaluate(
             else look.largest(bounded, everything, known.get(""))
         )
     places = _places(setting, joint, own, prescribed)
-    standing = {name: _stand(machine, place, bounded, name) for name, place in places.items()}
+    standing = {name: _stand(machine, setting, place, bounded, name) for name, place in places.items()}
     records = {
         demand.name: Measured(
             own.get(demand.name),
@@ -227,7 +229,9 @@ def _places(
     }
 
 
-def _stand(machine: Machine, place: Cuboid, bounded: Sequence[Demand], name: str) -> Prescribed:
+def _stand(
+    machine: Machine, setting: Setting, place: Cuboid, bounded: Sequence[Demand], name: str
+) -> Prescribed:
     """Judge a prescribed cuboid: for the joint one ("") by all demands, for a measure's own by its bounds."""
     demands = [demand for demand in bounded if name in ("", demand.name)]
     greatest = _greatest(
@@ -236,9 +240,10 @@ def _stand(machine: Machine, place: Cuboid, bounded: Sequence[Demand], name: str
     reach = sum(isinstance(c, Condition) and c.kind == "joint" for c in greatest)
     values = np.array([value for value, _ in greatest.values()])
     violation = float(values.max(initial=0.0))
-    return Prescribed(
-        place, violation <= FEASIBLE, violation, bool(values[:reach].max(initial=0.0) <= FEASIBLE)
-    )
+    reached = bool(values[:reach].max(initial=0.0) <= FEASIBLE)
+    scale = float(np.max(place.size / setting.size))
+    whole = abs(scale - 1) <= FEASIBLE
+    return Prescribed(place, violation <= FEASIBLE, violation, reached, 1.0 if whole else scale)
 
 
 def _probe(machine: Machine, place: Cuboid) -> Array:

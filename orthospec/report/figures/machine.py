@@ -45,6 +45,8 @@ class Drawing:
     low: Array
     """(3,) [m], of the prescribed cuboid."""
     high: Array
+    box: str
+    """The cuboid in words."""
     numbers: Numbers
 
     @property
@@ -163,7 +165,7 @@ def _name_parts(figure: Figure, drawing: Drawing, colours: dict[str, str], palet
     """The kinds of parts and the cuboid in their colours, above the machine."""
     height = figure.get_figheight()
     entries = [(_words(drawing, stem), colours[stem]) for stem in drawing.stems]
-    for row, (text, colour) in enumerate([*entries, ("prescribed cuboid", palette.second)]):
+    for row, (text, colour) in enumerate([*entries, (drawing.box, palette.second)]):
         figure.text(
             0.03,
             1 - (0.08 + ROW * row) / height,
