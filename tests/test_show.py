@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from orthospec.errors import UsageError
 from orthospec.show import ProgressLine, Silence, explain, installed, show, show_installed
-from orthospec.show.numbers import Numbers
+from orthospec.show.numbers import Numbers, percent
 from orthospec.show.page import Page
 from orthospec.spec import Spec, load_spec
 
@@ -189,12 +190,19 @@ def test_stopped_while_starts_are_refined_no_places_are_told() -> None:
 
 def test_where_nothing_was_found_it_says_what_was_searched_and_what_conflicts(spec: Spec) -> None:
     search = {"designs": 8, "refined": 4, "distinct": 2, "starts": 1, "subproblems": 7}
-    search["least_violation"] = 0.0492
+    search["least_violation"] = math.log(1.4)
     text = " ".join(_text(spec, status="infeasible", search=search).split())
     said = "Searched: 8 designs on a coarse grid; 4 refined, leading to 2 places; 1 solved to the end."
     assert said in text
-    assert "The best point found misses its bounds by 4.9 %" in text
+    assert "The best point found misses its bounds by up to 40 %" in text
     assert "What conflicts measure transmission: at most 2" in text
+
+
+@pytest.mark.parametrize(
+    ("part", "said"), [(0.0492, "4.9 %"), (0.999, "100 %"), (33.19, "3300 %"), (1e-6, "0.0001 %")]
+)
+def test_a_part_is_told_with_two_digits_and_without_an_exponent(part: float, said: str) -> None:
+    assert percent(part) == said
 
 
 def test_an_evaluated_design_that_does_not_hold_is_called_so() -> None:

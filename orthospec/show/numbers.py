@@ -112,5 +112,6 @@ def _after(unit: str) -> str:
 
 
 def percent(part: float) -> str:
-    """``4.9 %``."""
-    return f"{100 * part:.2g} %"
+    """``4.9 %``; two digits that tell something, and no exponent for a large part."""
+    told = float(f"{100 * part:.2g}")
+    return f"{told:.0f} %" if abs(told) >= 100 else f"{told:g} %"

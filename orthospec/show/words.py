@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import expm1
 
 from orthospec.result import FURTHEST, Result
 from orthospec.result.model import (
@@ -68,8 +69,13 @@ def _searched(search: SearchRecord) -> str:
     said += f"; {search.starts} solved to the end."
     if search.least_violation is None:
         return said
-    worst = percent(search.least_violation)
+    worst = missed(search.least_violation)
     return f"{said} The best point found misses its bounds by {worst}; it is what follows."
+
+
+def missed(violation: float) -> str:
+    """How far bounds are missed at most, by a violation: the logarithm of value over bound."""
+    return f"up to {percent(expm1(violation))}"
 
 
 def counted(number: int, name: str, several: str | None = None) -> str:
@@ -263,8 +269,8 @@ def branch(one: BranchRecord) -> str:
     """What a combination of choices came to."""
     if one.found:
         return "found" if one.factor is None else f"{one.factor:.6g}"
-    missed = "" if one.least_violation is None else f", misses by {percent(one.least_violation)}"
-    return f"no design found{missed}"
+    by = "" if one.least_violation is None else f", misses by {missed(one.least_violation)}"
+    return f"no design found{by}"
 
 
 def behind(one: BranchRecord, best: BranchRecord) -> str:
