@@ -251,6 +251,23 @@ def test_two_axes_have_a_square():
     assert found.joint.scale >= found.joint.grid_scale
 
 
+def test_of_clusters_that_tie_on_the_grid_each_one_is_polished():
+    """A square, and about it a ring of channels that are wider by less than a step of the grid.
+
+    The mean of all placements is in the middle of the square, which is one placement alone.
+    """
+
+    def square_in_a_ring(poses):
+        r = np.abs(poses[:, :2]).max(axis=1)
+        return np.minimum(r - 0.1, np.abs(r - 0.3) - 0.145)
+
+    demand = Demand("mine", Scripted(act=square_in_a_ring), {"at_most": 0.0})
+    flat = Setting(np.full(2, 0.2), 4, Cuboid((-0.5,) * 2, (0.5,) * 2))
+    found = evaluate(machine_of(demand, leg=1.0), flat).joint
+    assert (found.grid_scale, found.ties) == (1.0, 49)
+    assert found.scale * 0.2 == pytest.approx(0.29, abs=1e-9)
+
+
 def test_progress_is_told():
     told = []
     evaluate(machine_of(transmission()), setting(), progress=lambda *step: told.append(step))

@@ -191,7 +191,7 @@ class _Search:
     def largest(
         self, demands: Sequence[Demand], states: NDArray[np.uint8], also: Cuboid | None = None
     ) -> Largest:
-        """The largest cuboid of one mask, polished from each cluster of the grid's best placements.
+        """The largest cuboid of one mask, polished from each of its first `STARTS` clusters on the grid.
 
         ``also`` is polished too: a cuboid that a search has placed may stand where the grid shows less.
         """
@@ -201,7 +201,7 @@ class _Search:
         nodes = {state.name.lower(): int(np.count_nonzero(states == state)) for state in order}
         if best is None:
             return Largest(0.0, 0.0, 0, None, nodes)
-        starts = [self.grid.cuboid(placement) for placement in [best, *clusters(met)[1:STARTS]]]
+        starts = [self.grid.cuboid(placement) for placement in clusters(met)[:STARTS]]
         starts += [also] if also is not None else []
         machine = Machine(self.machine.manipulator, {demand.name: demand for demand in demands})
         found = polish(
