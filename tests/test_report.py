@@ -274,6 +274,7 @@ def test_names_of_a_machines_parts_stand_above_it(rich: Solution, count: int) ->
         np.ones(count, dtype=bool),
         np.full(3, -0.5),
         np.full(3, 0.5),
+        "prescribed cuboid",
         read(rich.result, rich.spec).numbers,
     )
     figure = machine.panels(drawing)[0].draw(PAGE)

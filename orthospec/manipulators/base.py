@@ -252,6 +252,6 @@ def _read_only(value: Any) -> Any:
     elif isinstance(value, tuple):
         for part in value:
             _read_only(part)
-    else:
+    elif hasattr(value, "make_read_only"):  # Intervals.
         value.make_read_only()
     return value
