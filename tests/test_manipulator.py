@@ -59,7 +59,9 @@ def test_boxes_changed_in_place_are_computed_again(machine):
     assert np.abs(after.lo - before.lo).max() > 1e-3
 
 
-@pytest.mark.parametrize("copied", [Orthoglide.model_copy, copy.copy, copy.deepcopy], ids=str)
+@pytest.mark.parametrize(
+    "copied", [Orthoglide.model_copy, copy.copy, copy.deepcopy], ids=["model_copy", "copy", "deepcopy"]
+)
 def test_a_copy_remembers_nothing(machine, copied):
     machine.inverse_jacobian(POSES)
     assert machine.geometry is not None
