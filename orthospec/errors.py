@@ -6,6 +6,7 @@ bounds, 4 stopped before the end, 5 a plugin failed. Code 3 is a result's status
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -52,6 +53,28 @@ class UsageError(OrthospecError):
     """A command or a function asked for something that cannot be."""
 
     exit_code = 2
+
+
+class GridTooLarge(UsageError):
+    """A grid has more nodes than can be held; ``shape`` is how many along each axis."""
+
+    def __init__(self, shape: Sequence[int], most: int) -> None:
+        self.shape = tuple(shape)
+        self.most = most
+        super().__init__(self.shape, most)
+
+    @property
+    def nodes(self) -> int:
+        """How many there would be."""
+        return math.prod(self.shape)
+
+    def __str__(self) -> str:
+        """How many there would be, and what to do about it."""
+        shape = " x ".join(map(str, self.shape))
+        return (
+            f"the grid would have {self.nodes:.2g} nodes ({shape}), more than {self.most:.0e}: lower"
+            " workspace.divisions or give a smaller workspace.region"
+        )
 
 
 class UnbuildableDesign(OrthospecError):

@@ -13,7 +13,7 @@ import typer
 
 from orthospec.cli.command import command, format_of, print_json, print_text
 from orthospec.cli.options import Fields, Folder, Jobs, Json, On, Quiet, Resume, Settings, SpecFile, Verbose
-from orthospec.errors import OrthospecError, SpecError, UsageError
+from orthospec.errors import GridTooLarge, OrthospecError, SpecError, UsageError
 from orthospec.guard import DONE, NOT_MET, PLUGIN, STOPPED, say
 
 if TYPE_CHECKING:
@@ -247,6 +247,9 @@ def _fields(found: Study, progress: ProgressLine, workers: Workers) -> dict[str,
         say("stopped before the fields were complete: fields.npz is left out")
         outcome.interrupted = True
         return None
+    except GridTooLarge as error:
+        say(f"fields.npz is left out: {error}")
+        return None
 
 
 def _hand_over(found: Study, folder: Path | None, kept: dict[str, Array] | None, as_json: bool) -> int:
@@ -303,10 +306,11 @@ def _code_of(found: Study) -> int:
 
 
 def _has_failed(found: Study) -> bool:
-    """Whether a plugin failed anywhere; a sweep may pass designs without a machine, which is no fault."""
-    sweep = found.spec.place(("sweep",)) if found.spec is not None else None
+    """Whether a plugin failed anywhere: a sweep may pass designs without a machine, and a grid be coarser."""
+    told = [("sweep",), ("workspace", "divisions")]
+    own = [found.spec.place(keys) for keys in told] if found.spec is not None else []
     errors = found.outcome.finding.errors if found.outcome is not None else ()
-    return any(error.place != sweep for error in errors)
+    return any(error.place not in own for error in errors)
 
 
 def _in_a_line(spec: Spec) -> str:

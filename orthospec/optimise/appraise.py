@@ -15,6 +15,7 @@ from orthospec.optimise.workers import Workers, in_order
 from orthospec.result import PluginError
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value, evaluate
+from orthospec.workspace.grid import fitting_divisions
 
 if TYPE_CHECKING:
     from orthospec.spec import Design
@@ -27,7 +28,7 @@ class Asked:
 
     values: tuple[float, ...]
     """Of the variables, in the spec's order."""
-    divisions: int
+    divisions: float
     prescribed: tuple[tuple[str, Cuboid], ...] | None = None
     """Where the prescribed cuboids stand, by measure ("": the joint one); None: centred on the largest."""
 
@@ -40,6 +41,8 @@ class Appraisal:
     faults: tuple[PluginError, ...] = ()
     """Measures that failed and were left out."""
     error: OrthospecError | None = None
+    notes: tuple[PluginError, ...] = ()
+    """What was done otherwise than asked for."""
 
     @property
     def errors(self) -> tuple[PluginError, ...]:
@@ -49,13 +52,36 @@ class Appraisal:
             PluginError(one.measure, one.place, f"gave NaN at the reachable pose {list(one.pose)}")
             for one in failures
         )
-        return (*self.faults, *nodes)
+        return (*self.faults, *nodes, *self.notes)
 
 
-def asked(design: Design, divisions: int, prescribed: Mapping[str, Cuboid] | None = None) -> Asked:
+def asked(design: Design, divisions: float, prescribed: Mapping[str, Cuboid] | None = None) -> Asked:
     """What to ask for of a design."""
     places = None if prescribed is None else tuple(prescribed.items())
     return Asked(tuple(design.values.values()), divisions, places)
+
+
+def asked_of_found(
+    space: DesignSpace, design: Design, divisions: int, prescribed: Mapping[str, Cuboid] | None
+) -> Asked:
+    """The same of a design that a search has found: on a coarser grid where it would be too large.
+
+    A search may lead to a machine far larger than any that the spec's author thought of.
+    """
+    size, region = space.setting.size, space.setting.region
+    return asked(design, fitting_divisions(design.manipulator, size, divisions, region), prescribed)
+
+
+def coarser_notes(space: DesignSpace, one: Asked) -> tuple[PluginError, ...]:
+    """A note of the grid being coarser than the spec has it; none where it is not."""
+    divisions = space.spec.workspace.divisions
+    if one.divisions == divisions:
+        return ()
+    said = (
+        f"the grid of the design found would be too large with {divisions}: it was measured with"
+        f" {one.divisions:.3g}; give a smaller workspace.region for a finer one"
+    )
+    return (PluginError("workspace.divisions", space.spec.place(("workspace", "divisions")), said),)
 
 
 def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -> Appraisal:

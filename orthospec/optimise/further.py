@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orthospec.errors import PluginFault
-from orthospec.optimise.appraise import FRONT, SWEEP, Asked, asked, error_of
+from orthospec.optimise.appraise import FRONT, SWEEP, Asked, asked_of_found, coarser_notes, error_of
 from orthospec.optimise.limits import find_limits
 from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.pareto import find_front
@@ -32,14 +32,16 @@ def front_of(
     ends = [(point.space, point.met.attained.end) for point in front.points]
     designs = [space.design(end.design) for space, end in ends]
     asks = [
-        asked(design, spec.workspace.divisions, end.cuboids(space))
+        asked_of_found(space, design, spec.workspace.divisions, end.cuboids(space))
         for design, (space, end) in zip(designs, ends, strict=True)
     ]
     soft = set(soft_goals(spec))
     measured = in_order(workers, FRONT, DesignSpace(spec), asks, progress)
     told = [
-        (point, spec.design(design.values), known)
-        for point, design, known in zip(front.points, designs, measured, strict=True)
+        (point, spec.design(design.values), replace(known, notes=coarser_notes(space, one)))
+        for point, (space, _), one, design, known in zip(
+            front.points, ends, asks, designs, measured, strict=True
+        )
         if known.error is None and known.evaluation is not None
     ]
     evaluations = [known.evaluation for _, _, known in told if known.evaluation is not None]
@@ -52,7 +54,17 @@ def front_of(
         kept = tuple(one for one in limits if one.kind != "goal" or one.name not in soft)
         attainment = attainment_of(design, evaluation)
         status = status_of(point.met.attained, evaluation, attainment, known.faults)
-        found.append(Finding(status, design, evaluation, attainment, kept, is_knee=point.is_knee))
+        found.append(
+            Finding(
+                status,
+                design,
+                evaluation,
+                attainment,
+                kept,
+                errors=known.notes,
+                is_knee=point.is_knee,
+            )
+        )
     return tuple(found), front.search
 
 

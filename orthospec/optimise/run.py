@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from orthospec.errors import PluginFault
-from orthospec.optimise.appraise import Appraisal, appraised, asked, error_of
+from orthospec.optimise.appraise import Appraisal, appraised, asked, asked_of_found, coarser_notes, error_of
 from orthospec.optimise.attain import REFIT, Attained, Refuted
 from orthospec.optimise.branch import beside_choices, catalogues, hunt_branches
 from orthospec.optimise.card import find_card
@@ -153,7 +153,8 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         front_search if catalogues(spec) else None,
         best.taken if best is not None else (),
     )
-    errors = (*known.errors, *left_out)
+    of_points = [error for point in front for error in point.errors]
+    errors = tuple(dict.fromkeys([*known.errors, *left_out, *of_points]))
     finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)
     return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
 
@@ -185,12 +186,13 @@ def _measured(
     for left in reversed(range(REFITS + 1)):
         design = space.design(best.end.design) if best else spec.design(spec.default_values())
         prescribed = best.end.cuboids(space) if best else None
-        quick = asked(design, min(spec.workspace.divisions, COARSE), prescribed)
+        quick = asked_of_found(space, design, min(spec.workspace.divisions, COARSE), prescribed)
         if stopped:
             return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
-        one = asked(design, spec.workspace.divisions, prescribed)
+        one = asked_of_found(space, design, spec.workspace.divisions, prescribed)
         try:
             evaluation, known = clock.time("evaluate", partial(appraised, workers, space, one, progress))
+            known = replace(known, notes=coarser_notes(space, one))
         except KeyboardInterrupt:
             return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
         if prove is None:

@@ -251,7 +251,7 @@ class SearchRecord(_Record):
 
 
 class ErrorRecord(_Record):
-    """A plugin that failed, or a pose at which a measure could not be computed."""
+    """A plugin that failed, a pose where a measure could not be computed, a grid coarser than asked for."""
 
     name: str
     place: str | None = None

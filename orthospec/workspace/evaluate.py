@@ -45,7 +45,7 @@ class Setting:
     """The spec's workspace: the prescribed size, the grid, where to look."""
 
     size: Array
-    divisions: int
+    divisions: float
     region: Cuboid | None = None
     together: bool = True
     poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict)

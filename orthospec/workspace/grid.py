@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.errors import UsageError
+from orthospec.errors import GridTooLarge, UsageError
 from orthospec.manipulators import Manipulator
 from orthospec.workspace.cuboid import Cuboid, Placement
 
@@ -21,6 +21,8 @@ LATTICE = 33
 """Nodes along each axis of the lattice that looks for the reach."""
 MOST_NODES = 1_000_000_000
 """More nodes than this are refused: a byte and more of each is held."""
+COARSENED = 100_000_000
+"""Nodes, roughly, of the coarser grid that is taken where one would be too large."""
 DOUBLINGS = 24
 """How often the search box may double before the reach is said to have no end."""
 
@@ -69,7 +71,8 @@ class Grid:
 def make_grid(manipulator: Manipulator, size: Array, divisions: float, region: Cuboid | None) -> Grid:
     """The grid of steps size / divisions over the region, or over the reach where none is given.
 
-    Raises UsageError where the reach cannot be found, or not one node lies in the region.
+    Raises UsageError where the reach cannot be found, or not one node lies in the region, GridTooLarge for
+    too many nodes.
     """
     step = size / divisions
     box = region if region is not None else reach_box(manipulator, size)
@@ -79,11 +82,18 @@ def make_grid(manipulator: Manipulator, size: Array, divisions: float, region: C
         raise UsageError("the region holds no node of the grid: enlarge workspace.region or raise divisions")
     shape = tuple(int(n) for n in last - first + 1)
     if math.prod(shape) > MOST_NODES:
-        raise UsageError(
-            f"the grid would have {math.prod(shape):.2g} nodes ({' x '.join(map(str, shape))}), more than"
-            f" {MOST_NODES:.0e}: lower workspace.divisions or give a smaller workspace.region"
-        )
+        raise GridTooLarge(shape, MOST_NODES)
     return Grid(tuple(map(float, step)), tuple(map(int, first)), shape, len(manipulator.axes))
+
+
+def fitting_divisions(manipulator: Manipulator, size: Array, divisions: int, region: Cuboid | None) -> float:
+    """The divisions, or fewer where their grid would be too large; less than 1 is a step beyond the size."""
+    try:
+        make_grid(manipulator, size, divisions, region)
+    except GridTooLarge as large:
+        fewer: float = divisions * (COARSENED / large.nodes) ** (1 / len(size))
+        return math.floor(fewer) if fewer >= 1 else fewer
+    return divisions
 
 
 def reach_box(manipulator: Manipulator, size: Array) -> Cuboid:
