@@ -344,6 +344,17 @@ def test_a_mistake_is_answered_with_its_place_and_what_was_expected(what: str, t
     assert mistakes(SPEC.replace(old, new, 1), tmp_path) == [f"spec.yaml:{line}" for line in expected]
 
 
+@pytest.mark.parametrize("written", ["{min: 1 m, max: 3000 mm}", "{choices: [100 cm, 2 m]}"])
+def test_a_goal_on_a_variable_is_of_the_kind_that_its_values_are_written_in(
+    written: str, tmp_path: Path
+) -> None:
+    spec = SPEC.replace("third: {min: 1.0, max: 3.0}", f"third: {written}")
+    wrong = spec.replace("third, goal: 1.3", "third, goal: 1.3 kg")
+    assert mistakes(wrong, tmp_path) == ["spec.yaml:19:38: 1.3 kg is a mass, a length [m] was expected"]
+    (tmp_path / "spec.yaml").write_text(spec.replace("third, goal: 1.3", "third, goal: 1300 mm"))
+    assert load_spec(tmp_path / "spec.yaml").goals[1].goal == 1.3
+
+
 def test_all_mistakes_of_a_file_are_told_at_once(tmp_path: Path) -> None:
     spec = SPEC
     for old, new in (

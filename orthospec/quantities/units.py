@@ -142,3 +142,10 @@ def _named(name: str) -> Unit:
 def kind(unit: str) -> str:
     """What a unit measures, as an engineer says it: "a length"."""
     return _KINDS.get(parse_unit(unit).dimension, "a quantity")
+
+
+def si_unit(unit: str) -> str:
+    """The SI unit of the same kind where it has a name: ``m`` for ``mm``; else the unit itself."""
+    dimension = parse_unit(unit).dimension
+    named = (name for name, one in UNITS.items() if one.dimension == dimension and one.to_si("1") == 1)
+    return next(named, unit)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, cast, get_args
 from orthospec.quantities import Expression
 from orthospec.quantities.expressions import GOAL_CALLS, Extreme
 from orthospec.quantities.fields import is_quantity
+from orthospec.quantities.units import UnitError, si_unit
 from orthospec.spec.blueprint import Blueprint
 from orthospec.spec.design import Sense
 from orthospec.spec.document import Path
 from orthospec.spec.draft import Draft
-from orthospec.spec.model import GoalKeys, MeasureKeys
+from orthospec.spec.model import GoalKeys, MeasureKeys, VariableKeys
 from orthospec.spec.plans import DemandPlan, GoalPlan, Reading
 from orthospec.spec.wording import did_you_mean
 
@@ -192,15 +193,28 @@ def _knows_measure(draft: Draft, path: Path, extreme: Extreme) -> bool:
 
 
 def _unit(draft: Draft, expression: Expression) -> str | None:
-    """The unit of a goal on one bare index, measure or scale; None where dimensions are not followed."""
+    """The unit of a goal on one bare name: index, variable, measure, scale; None where none is followed."""
     if expression.text == "scale":
         return "1"
     if draft.machine is not None and expression.text in draft.machine.index_units:
         return draft.machine.index_units[expression.text]
+    if expression.text in draft.keys.variables:
+        return _unit_of_variable(draft.keys.variables[expression.text])
     for kind, name in expression.extremes:
         made_of = draft.measures.get(name)
         if made_of is not None and expression.text == f"{kind}({name})":
             return made_of.unit
+    return None
+
+
+def _unit_of_variable(keys: VariableKeys) -> str | None:
+    """The SI unit of what its values are written in; None where they are plain numbers, or mistaken."""
+    for given in (keys.min, keys.max, keys.start, *(keys.choices or ())):
+        if isinstance(given, str) and is_quantity(given):
+            try:
+                return si_unit(given.split()[-1])
+            except UnitError:
+                return None
     return None
 
 
