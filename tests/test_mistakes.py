@@ -275,6 +275,12 @@ CHANGES = {
     "a level that is no list": (
         "at_most: 2", "levels: {at_most: 1.5}", ["16:23: a list [ ... ] was expected, 1.5 given"],
     ),
+    "a proof whose slack is a length": (
+        "goals:", "proof: {slack: 1 mm}\ngoals:", ["17:16: 1 mm is a length, a number was expected"],
+    ),
+    "a proof whose slack is a variable": (
+        "goals:", "proof: {slack: base}\ngoals:", ["17:16: unknown name 'base'; no names are known here"],
+    ),
     "a proof that is true": (
         "goals:", "proof: true\ngoals:",
         ["17:8: a mapping was expected, true given; or false was expected, true given"],

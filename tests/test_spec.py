@@ -20,6 +20,7 @@ from orthospec.errors import PluginFault, SpecError, UnbuildableDesign, UsageErr
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Level
 from orthospec.spec import Region, Spec, Sweep, Variable, Workspace, load_spec
+from orthospec.spec.model import ProofKeys
 from orthospec.spec.strict_yaml import parse
 from orthospec.spec.writing import dump
 
@@ -324,3 +325,9 @@ def test_whatever_is_wrong_is_told_with_a_place_or_runs(tmp_path: Path, changes:
     assert len(spec.sha256()) == 64
     with contextlib.suppress(UnbuildableDesign):
         assert spec.design(spec.default_values()).manipulator
+
+
+def test_the_slack_of_a_proof_may_be_a_part_in_per_cent(tmp_path: Path) -> None:
+    path = tmp_path / "spec.yaml"
+    path.write_text(SPEC + "proof: {slack: 1 %}\n", encoding="utf-8")
+    assert load_spec(path).proof == ProofKeys(slack=0.01)

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, StrictInt, 
 from pydantic_core import core_schema
 
 from orthospec.described import Described
-from orthospec.quantities.fields import json_schema, read, shown
+from orthospec.quantities.fields import Number, json_schema, read, shown
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -194,7 +194,7 @@ class ParetoKeys(_Keys):
 class ProofKeys(_Keys):
     """A proof that the bounds hold between the grid's nodes too."""
 
-    slack: Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)] = 1e-3
+    slack: Annotated[Number, Field(gt=0)] = 1e-3
     """Relative slack on the bounds."""
     boxes: Count = 50_000
     """Most boxes of poses, or of placements, that one proof may take."""
