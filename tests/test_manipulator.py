@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
-from orthospec.errors import NoEnclosure
+from orthospec.errors import NoEnclosure, PluginFault
 from orthospec.intervals import Boxes
+from orthospec.manipulators import Skeleton
 from orthospec.manipulators.orthoglide import Orthoglide
 
 POSES = np.random.default_rng(0).uniform(-0.05, 0.05, (20, 3))
@@ -85,3 +88,64 @@ def test_another_process_is_sent_the_machine_without_its_blocks(machine):
     sent = pickle.dumps(machine)
     assert len(sent) < alone + 1000
     assert pickle.loads(sent).model_dump() == machine.model_dump()
+
+
+class Given(Orthoglide):
+    """An Orthoglide, of which a method gives something else."""
+
+    index_units: ClassVar[Mapping[str, str]] = {**Orthoglide.index_units, "reserve": "1"}
+    wrong: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def indices(self, joint_ranges):
+        """One more than the machine that it is made of."""
+        found = {**super().indices(joint_ranges), "reserve": 0.5}
+        return self.wrong.get("indices", dict)(found)
+
+    def skeleton(self, poses):
+        """The same."""
+        return self.wrong.get("skeleton", lambda drawn: drawn)(super().skeleton(poses))
+
+    def reach_enclosure(self, boxes):
+        """The same."""
+        return self.wrong.get("reach_enclosure", dict)(super().reach_enclosure(boxes))
+
+
+def _asked(machine, method):
+    boxes = Boxes(POSES, POSES + 1e-3)
+    argument = {"indices": np.zeros((3, 2)), "skeleton": POSES, "reach_enclosure": boxes}[method]
+    return getattr(machine, method)(argument)
+
+
+@pytest.mark.parametrize("method", ["indices", "skeleton", "reach_enclosure"])
+def test_a_machine_may_add_to_what_another_class_gives(method):
+    assert _asked(Given(leg_lengths=(0.3, 0.3, 0.3)), method)
+
+
+@pytest.mark.parametrize(
+    ("method", "wrong", "says"),
+    [
+        ("indices", lambda _: 5, "gave int, not a mapping"),
+        ("indices", lambda one: one | {"extra": 1.0}, "gave 'extra', of which index_units knows no unit"),
+        ("indices", lambda one: one | {"stroke": "long"}, "gave 'long' for 'stroke', not a number"),
+        ("indices", lambda _: {"stroke": 1.0}, "gave no 'leg_length_total', which index_units names"),
+        ("skeleton", lambda _: None, "gave NoneType, not a Skeleton"),
+        (
+            "skeleton",
+            lambda one: Skeleton(one.segments[:, :1], one.radii, one.names),
+            r"gave segments \(20, 1, 2, 3\), radii \(\d+,\) and \d+ names for 20 poses",
+        ),
+        ("reach_enclosure", lambda _: None, "gave NoneType, not a mapping"),
+        ("reach_enclosure", lambda one: dict(list(one.items())[1:]), "gave no '.*', which reach has"),
+        ("reach_enclosure", lambda one: {**one, "hole": POSES}, "gave 'hole', which reach has not"),
+    ],
+)
+def test_what_a_machine_owes_and_does_not_give_is_its_fault(method, wrong, says, monkeypatch):
+    monkeypatch.setitem(Given.wrong, method, wrong)
+    with pytest.raises(PluginFault, match=f"plugin Given: {method} {says}"):
+        _asked(Given(leg_lengths=(0.3, 0.3, 0.3)), method)
+
+
+def test_an_index_that_the_machine_cannot_know_may_be_left_out():
+    machine = Orthoglide(leg_lengths=(0.3, 0.3, 0.3))
+    assert "total_mass" in machine.index_units
+    assert "total_mass" not in machine.indices(np.zeros((3, 2)))

@@ -354,7 +354,7 @@ MACHINES = {
     "Yielding": r"compliance gives [^g]* alone and",
     "Careless": "inverse_jacobian changes the poses",
     "Metres": "twice as large, it reaches otherwise",
-    "Unit": "indices gives extra, of which index_units knows no unit",
+    "Unit": "indices gave 'extra', of which index_units knows no unit",
     "Drawn": "1 names|2 names",
     "Hollow": r"skeleton's 'leg_1' has the radius -0\.01",
     "Blurred": r"skeleton's 'leg_1' has the radius nan",

@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
+from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self, TypeVar, cast
 
@@ -84,7 +85,7 @@ class Manipulator(Described, ABC):
         Several measures then cost one field.
         """
         super().__init_subclass__(**kwargs)
-        for name in (*_FIELDS, "reach", "indices", "skeleton"):
+        for name in (*_FIELDS, "reach", "reach_enclosure", "indices", "skeleton"):
             if name in cls.__dict__:
                 method = _faulting(name, cls.__dict__[name])
                 setattr(cls, name, remembering(method) if name in _FIELDS else method)
@@ -190,23 +191,76 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
 
 
 def _faulting(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-    """The method, its exceptions and wrong shapes told as the plugin's fault."""
+    """The method, its exceptions and what it owes but does not give told as the plugin's fault."""
 
     @functools.wraps(method)
     def faulting(self: Any, argument: Any) -> Any:
+        # What a class gives to another one that is made of it need not be all that this one owes.
+        is_own = getattr(type(self), name) is faulting
         try:
             value = method(self, argument)
+            lacks = _OWED[name](self, argument, value) if name in _OWED and is_own else ""
         except OrthospecError:
             raise
         except Exception as error:
             raise PluginFault(
                 type(self).__name__, f"{name} raised {type(error).__name__}: {error}"
             ) from error
+        if lacks:
+            raise PluginFault(type(self).__name__, f"{name} {lacks}")
         if name in _FIELDS:
             _check_shape(self, name, value, len(argument))
         return value
 
     return faulting
+
+
+def _of_indices(machine: Any, _: Array, given: Any) -> str:
+    """What is wrong with the indices that a machine gives; "" where nothing is."""
+    if not isinstance(given, Mapping):
+        return f"gave {type(given).__name__}, not a mapping of names to numbers"
+    for name, value in given.items():
+        if name not in machine.index_units:
+            return f"gave '{name}', of which index_units knows no unit"
+        if isinstance(value, bool) or not isinstance(value, Real):
+            return f"gave {value!r} for '{name}', not a number"
+    for name in machine.index_units:
+        if name not in given and not machine.missing(name):
+            return f"gave no '{name}', which index_units names"
+    return ""
+
+
+def _of_skeleton(_: Any, poses: Poses, given: Any) -> str:
+    """What is wrong with a skeleton at these poses."""
+    if not isinstance(given, Skeleton):
+        return f"gave {type(given).__name__}, not a Skeleton"
+    s, segments, radii = len(given.names), np.shape(given.segments), np.shape(given.radii)
+    if segments == (len(poses), s, 2, 3) and radii == (s,):
+        return ""
+    return (
+        f"gave segments {segments}, radii {radii} and {s} names for {len(poses)} poses,"
+        " not (n, s, 2, 3), (s,) and s"
+    )
+
+
+def _of_reach_enclosure(machine: Any, boxes: Boxes, given: Any) -> str:
+    """What is wrong with an enclosure of the reach: a margin that is left out would hold everywhere."""
+    if not isinstance(given, Mapping):
+        return f"gave {type(given).__name__}, not a mapping of margins to intervals"
+    margins = machine.reach(boxes.lo)
+    for name in sorted(set(margins) ^ set(given)):
+        return (
+            f"gave no '{name}', which reach has" if name in margins else f"gave '{name}', which reach has not"
+        )
+    return ""
+
+
+_OWED: Mapping[str, Callable[[Any, Any, Any], str]] = {
+    "indices": _of_indices,
+    "skeleton": _of_skeleton,
+    "reach_enclosure": _of_reach_enclosure,
+}
+"""What is wrong with what a method of a machine gives for its argument, in words; "" where nothing is."""
 
 
 def _check_shape(machine: Any, name: str, value: Any, n: int) -> None:

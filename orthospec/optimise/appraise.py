@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from orthospec.errors import OrthospecError, PluginFault, WorkersLost
 from orthospec.measures import Level
 from orthospec.optimise.grid_parts import GridStates
@@ -18,6 +20,7 @@ from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescrib
 from orthospec.workspace.grid import fitting_divisions
 
 if TYPE_CHECKING:
+    from orthospec.manipulators import Manipulator
     from orthospec.spec import Design
     from orthospec.workspace.field import Progress
 
@@ -43,6 +46,8 @@ class Appraisal:
     error: OrthospecError | None = None
     notes: tuple[PluginError, ...] = ()
     """What was done otherwise than asked for."""
+    of_machine: tuple[PluginError, ...] = ()
+    """What the machine did not give though its cuboid is in reach."""
 
     @property
     def errors(self) -> tuple[PluginError, ...]:
@@ -52,7 +57,7 @@ class Appraisal:
             PluginError(one.measure, one.place, f"gave NaN at the reachable pose {list(one.pose)}")
             for one in failures
         )
-        return (*self.faults, *nodes, *self.notes)
+        return (*self.faults, *nodes, *self.of_machine, *self.notes)
 
 
 def asked(design: Design, divisions: float, prescribed: Mapping[str, Cuboid] | None = None) -> Asked:
@@ -102,11 +107,37 @@ def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -
                 faults.append(error_of(fault))
                 machine = replace(machine, demands=others)
                 continue
-            return Appraisal(evaluation, tuple(faults))
+            told = _told_of(machine.manipulator, evaluation, space.spec.place(("manipulator",)))
+            return Appraisal(evaluation, tuple(faults), of_machine=told)
     except WorkersLost:
         raise
+    except PluginFault as fault:
+        # What a measure of its own did was left out: this is the machine's.
+        place = fault.place or space.spec.place(("manipulator",))
+        return Appraisal(None, tuple(faults), PluginFault(fault.plugin, fault.what, place))
     except OrthospecError as error:
         return Appraisal(None, tuple(faults), error)
+
+
+def _told_of(machine: Manipulator, evaluation: Evaluation, place: str) -> tuple[PluginError, ...]:
+    """What the machine does not give where it stands: indices that are NaN, a drawing."""
+    of_each = [record.prescribed for record in evaluation.measures.values()]
+    standing = [one for one in (evaluation.prescribed, *of_each) if one is not None and one.reached]
+    if evaluation.joints is None or not standing:
+        return ()
+    name = type(machine).__name__
+    found = [
+        PluginError(name, place, f"gave NaN for the index '{index}' of a cuboid in reach")
+        for index, value in evaluation.indices.items()
+        if np.isnan(value)
+    ]
+    try:
+        machine.skeleton(
+            standing[0].cuboid.poses(np.zeros((1, len(standing[0].cuboid.low))), len(machine.axes))
+        )
+    except PluginFault as fault:
+        found.append(PluginError(name, place, fault.what))
+    return tuple(found)
 
 
 def error_of(fault: PluginFault) -> PluginError:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from orthospec.errors import PluginFault
 from orthospec.measures.demand import bounded_side
 from orthospec.preview.scene import Ball, Bar, Colour, Group, Joint, Lines, Mesh, Scale, Scene, Tool
 from orthospec.report.figures.slices import COLOURS as MAP
@@ -79,9 +80,16 @@ def overlaid(first: Subject, second: Subject) -> Scene:
 def _machine(
     scene: Scene, subject: Subject, design: Design, place: Cuboid, path: str, colour: Colour, said: str
 ) -> None:
-    """The machine at each place of a tour through the cuboid, in one block; where it cannot go it waits."""
+    """The machine at each place of a tour through the cuboid, in one block; where it cannot go it waits.
+
+    One that gives no skeleton is not drawn, which the panel says.
+    """
     poses = place.poses(_tour(len(place.low)), len(design.manipulator.axes))
-    skeleton = design.manipulator.skeleton(poses)
+    try:
+        skeleton = design.manipulator.skeleton(poses)
+    except PluginFault as fault:
+        scene.notes.append(f"{said} is not drawn: {fault}")
+        return
     known = np.asarray(np.isfinite(skeleton.segments).all(axis=(1, 2, 3)))
     if not known[0]:
         return

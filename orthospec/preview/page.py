@@ -103,6 +103,8 @@ def _panel(subject: Subject, scene: Scene, title: str) -> Iterator[str]:
     yield from _motion(scene)
     yield from _measures(scene)
     yield from _groups(scene)
+    for note in scene.notes:
+        yield f'<p class="muted">{escaped(note)}</p>\n'
     yield _SCREEN
 
 

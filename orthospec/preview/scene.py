@@ -116,6 +116,8 @@ class Scene:
     """The tool's places (k), in words."""
     groups: list[Group] = field(default_factory=list)
     scales: list[Scale] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    """What could not be shown, and why."""
 
     @property
     def points(self) -> Array:

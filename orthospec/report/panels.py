@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from orthospec.errors import PluginFault
 from orthospec.report.field_panels import SURFACE, Group, field_groups
 from orthospec.report.fields import cuboid_of, fields
 from orthospec.report.figures import cuboids, curves, fronts, limits, machine
@@ -57,8 +58,13 @@ def figures(solution: Solution, reading: Reading) -> Figures:
     """The figures of a solution; without its spec those that need no machine."""
     design = solution.design
     shown, notes = fields(solution, design) if design else ([], [_WITHOUT])
+    try:
+        drawn = _machine(solution, reading, design) if design else []
+    except PluginFault as fault:
+        drawn = []
+        notes.append(f"The machine is not drawn: {fault}.")
     return Figures(
-        machine=_machine(solution, reading, design) if design else [],
+        machine=drawn,
         limits=_limits(reading),
         pareto=_pareto(reading),
         sweep=_sweep(reading),

@@ -1,0 +1,86 @@
+"""What is told of a design when its machine fails in what the measures do not need."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from orthospec import registry
+from orthospec.errors import PluginFault
+from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.optimise import Outcome, evaluate_spec
+from orthospec.preview import preview
+from orthospec.report import report
+from orthospec.solution import solution_of
+from orthospec.spec import Spec
+
+SPEC = """
+orthospec: 1
+manipulator: {use: orthoglide, leg_lengths: [1, 1, 1]}
+workspace: {size: [0.5, 0.5, 0.25], divisions: 4}
+measures: {transmission: {use: velocity_transmission, at_most: 2}}
+"""
+
+
+class Undrawn(Orthoglide):
+    """No skeleton."""
+
+    def skeleton(self, poses: Any) -> Any:  # noqa: ARG002
+        """None."""
+        raise ZeroDivisionError("no line")
+
+
+class Nameless(Orthoglide):
+    """A stroke that is not known."""
+
+    def indices(self, joint_ranges: Any) -> Any:
+        """NaN for one."""
+        return {**super().indices(joint_ranges), "stroke": np.nan}
+
+
+class Lacking(Orthoglide):
+    """No stroke."""
+
+    def indices(self, joint_ranges: Any) -> Any:
+        """One less."""
+        return {name: one for name, one in super().indices(joint_ranges).items() if name != "stroke"}
+
+
+@pytest.fixture
+def evaluated(
+    spec_of: Callable[..., Spec], monkeypatch: pytest.MonkeyPatch
+) -> Callable[[type[Orthoglide]], tuple[Spec, Outcome]]:
+    def find(machine: type[Orthoglide]) -> tuple[Spec, Outcome]:
+        monkeypatch.setattr(registry, "find_manipulator", lambda _: machine)
+        spec = spec_of(SPEC)
+        return spec, evaluate_spec(spec)
+
+    return find
+
+
+def test_an_index_that_is_nan_of_a_cuboid_in_reach_is_told(evaluated: Callable[..., Any]) -> None:
+    spec, outcome = evaluated(Nameless)
+    (error,) = outcome.finding.errors
+    assert error.name == "Nameless"
+    assert error.place == spec.place(("manipulator",))
+    assert error.message == "gave NaN for the index 'stroke' of a cuboid in reach"
+    assert outcome.finding.status == "evaluated"
+
+
+def test_a_machine_that_is_not_drawn_is_told_and_costs_the_pages_its_drawing_alone(
+    evaluated: Callable[..., Any],
+) -> None:
+    spec, outcome = evaluated(Undrawn)
+    (error,) = outcome.finding.errors
+    assert (error.name, error.message) == ("Undrawn", "skeleton raised ZeroDivisionError: no line")
+    solution = solution_of(spec, outcome)
+    assert "The machine is not drawn: plugin Undrawn: skeleton raised" in report(solution)
+    assert "the machine is not drawn: plugin Undrawn: skeleton raised" in preview(solution)
+
+
+def test_what_a_machine_owes_to_every_measure_has_its_place(evaluated: Callable[..., Any]) -> None:
+    with pytest.raises(PluginFault, match=r"spec\.yaml:3:1: plugin Lacking: indices gave no 'stroke'"):
+        evaluated(Lacking)
