@@ -247,7 +247,7 @@ def _of_reach_enclosure(machine: Any, boxes: Boxes, given: Any) -> str:
     """What is wrong with an enclosure of the reach: a margin that is left out would hold everywhere."""
     if not isinstance(given, Mapping):
         return f"gave {type(given).__name__}, not a mapping of margins to intervals"
-    margins = machine.reach(boxes.lo)
+    margins = machine.reach(boxes.lo[:1])
     for name in sorted(set(margins) ^ set(given)):
         return (
             f"gave no '{name}', which reach has" if name in margins else f"gave '{name}', which reach has not"
