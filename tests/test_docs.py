@@ -15,6 +15,7 @@ import yaml
 
 import orthospec
 from orthospec.cli import app
+from orthospec.quantities.fields import resolve
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -59,7 +60,9 @@ def test_each_command_in_the_pages_is_one_with_these_options(line: str) -> None:
     words = shlex.split(line.partition(" > ")[0].partition(" | ")[0])
     group = typer.main.get_command(app)
     command = group.commands[words[1]]  # type: ignore[attr-defined]
-    command.make_context(words[1], words[2:], resilient_parsing=False)
+    context = command.make_context(words[1], words[2:], resilient_parsing=False)
+    for value in (context.params.get("at") or "").split(","):
+        resolve(value.partition("=")[2] or 0, None, {})
 
 
 def test_the_first_minutes_take_commands_that_there_are() -> None:
