@@ -336,6 +336,9 @@ def test_check_reads_standard_input_and_settings(spec: Path) -> None:
 def test_show_tells_what_is_no_result(spec: Path) -> None:
     assert "this is a spec, not a result" in _orthospec("show", spec.name, code=2).stderr
     assert "no such file or folder" in _orthospec("show", "nowhere", code=2).stderr
+    Path("empty.yaml").touch()
+    said = "empty.yaml:1:1: the file is empty; a result is a folder with result.yaml in it"
+    assert said in _orthospec("show", "empty.yaml", code=2).stderr
 
 
 def test_show_needs_no_spec_beside_the_result(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:

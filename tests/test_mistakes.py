@@ -361,6 +361,11 @@ def test_a_goal_on_a_variable_is_of_the_kind_that_its_values_are_written_in(
     assert load_spec(tmp_path / "spec.yaml").goals[1].goal == 1.3
 
 
+def test_an_empty_spec_is_told_how_one_starts_and_an_empty_setting_that_it_is_one(tmp_path: Path) -> None:
+    assert mistakes("", tmp_path) == ["spec.yaml:1:1: the file is empty; a spec starts with 'orthospec: 1'"]
+    assert mistakes(SPEC, tmp_path, "title=#") == ["--set title=#: there is no value after the ="]
+
+
 def test_all_mistakes_of_a_file_are_told_at_once(tmp_path: Path) -> None:
     spec = SPEC
     for old, new in (

@@ -70,8 +70,8 @@ def test_an_alias_is_its_anchor_again() -> None:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("", "1:1: the file is empty; a spec starts with 'orthospec: 1'"),
-        ("# only a comment\n", "1:1: the file is empty; a spec starts with 'orthospec: 1'"),
+        ("", "1:1: the file is empty"),
+        ("# only a comment\n", "1:1: the file is empty"),
         ("a: 1\nb: 2\na: 3", "3:1: duplicate key 'a', first given at 1:1"),
         ("a: {b: 1, b: 2}", "1:11: duplicate key 'b', first given at 1:5"),
         ("1: a", "1:1: the key 1 is not a name; write it in quotes, '1'"),

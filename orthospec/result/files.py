@@ -149,7 +149,8 @@ def read_result(path: Path) -> dict[str, Any]:
     Raises `UsageError` for what is no result, `SpecError` with all places for a result with mistakes in it.
     """
     file = path / RESULT if path.is_dir() else path
-    document = parse(_text(path, file), str(file), LARGEST_RESULT)
+    empty = f"the file is empty; a result is a folder with {RESULT} in it"
+    document = parse(_text(path, file), str(file), LARGEST_RESULT, empty)
     content = document.data
     if not isinstance(content, dict) or "status" not in content:
         raise UsageError(f"{path}: {_other_kind(content)}")

@@ -35,7 +35,7 @@ def load_spec(path: Path, overrides: Sequence[str] = (), *, at: Path | None = No
     plugin cannot be loaded.
     """
     text = _text(path)
-    document = parse(text, str(at or path))
+    document = parse(text, str(at or path), empty="the file is empty; a spec starts with 'orthospec: 1'")
     override(document, overrides)
     taken = solved.take(document)
     return _checked(document, dump(document.data) if overrides or taken else text, taken)

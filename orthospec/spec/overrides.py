@@ -24,7 +24,7 @@ def _value(text: str, label: str) -> Any:
     if not text.strip():
         return None
     try:
-        read = parse(text, label)
+        read = parse(text, label, empty="there is no value after the =")
     except SpecError as error:
         raise SpecError([Mistake(label, 0, 0, mistake.message) for mistake in error.mistakes]) from None
     if read.mistakes:

@@ -34,10 +34,10 @@ class _Node:
     pairs: tuple[tuple[_Node, _Node], ...] | None = None
 
 
-def parse(text: str, file: str, largest: int = LARGEST) -> Document:
+def parse(text: str, file: str, largest: int = LARGEST, empty: str = "the file is empty") -> Document:
     """The document in a text; raises `SpecError` where it is not YAML, else collects its mistakes.
 
-    ``largest`` bounds the characters, and a tenth of it the values.
+    ``largest`` bounds the characters, and a tenth of it the values; ``empty`` is said of a text of nothing.
     """
     text = text.removeprefix("\ufeff")
     document = Document(file)
@@ -45,7 +45,7 @@ def parse(text: str, file: str, largest: int = LARGEST) -> Document:
         raise SpecError([Mistake(file, 0, 0, f"larger than {largest // 1000} kB")])
     root = _compose(text, file)
     if root is None or (root.plain and not root.text):
-        raise SpecError([Mistake(file, 1, 1, "the file is empty; a spec starts with 'orthospec: 1'")])
+        raise SpecError([Mistake(file, 1, 1, empty)])
     document.data = _Reader(document, largest // 10).value(root, ())
     return document
 
