@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,6 +55,13 @@ def test_a_bound_that_the_spec_does_not_have_may_be_asked_for(known):
     answer = know(spec, AT).answer([move])
     assert answer.joint.after == whole.joint.before
     assert answer.joint.before >= answer.joint.after
+
+
+def test_a_bound_that_no_machine_meets_is_refused_as_in_a_spec():
+    spec = load_spec(SPECS / "orthoglide-1x1x0.8.yaml", ["measures.even={use: condition_number, at_most: 3}"])
+    said = "--what-if even.at_most=0.5: condition_number is never below 1: no machine meets at_most 0.5"
+    with pytest.raises(UsageError, match=re.escape(said)):
+        read_moves(spec, AT, ["even.at_most=0.5"])
 
 
 def test_a_measure_without_bounds_holds_wherever_it_is_in_reach():

@@ -21,6 +21,7 @@ from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Here, Workers, in_order
 from orthospec.quantities.fields import resolve
 from orthospec.spec import Design, Spec
+from orthospec.spec.asked import never_met
 from orthospec.workspace.field import Block, failed
 from orthospec.workspace.grid import Grid
 
@@ -140,9 +141,16 @@ FIELD = Task("grid", _field, machine_and_measures, keeps_parts=True, divides=Tru
 
 
 def read_moves(spec: Spec, values: Mapping[str, float], texts: Sequence[str]) -> tuple[Moved, ...]:
-    """The moves in ``transmission.at_most=2.2``; UsageError for what is none."""
+    """The moves in ``transmission.at_most=2.2``; UsageError for what is none, or what no machine meets."""
     demands = {demand.name: demand for demand in spec.design(values).demands}
-    return tuple(_read(demands, values, text) for text in texts)
+    moves = tuple(_read(demands, values, text) for text in texts)
+    uses = {plan.name: plan.blueprint.use for plan in spec.measures}
+    for text, move in zip(texts, moves, strict=True):
+        made_of = type(demands[move.measure].measure)
+        why = never_met(uses[move.measure], made_of, move.after) if move.side == "at_most" else ""
+        if why:
+            raise UsageError(f"--what-if {text}: {why}")
+    return moves
 
 
 def _read(demands: Mapping[str, Demand], values: Mapping[str, float], text: str) -> Moved:

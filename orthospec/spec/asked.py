@@ -77,13 +77,19 @@ def _bounds(draft: Draft, path: Path, made_of: type[Measure], given: Mapping[str
             if reading is not None:
                 bounds[side] = reading
     least, most = bounds.get("at_least"), bounds.get("at_most")
-    if isinstance(most, float) and (most < made_of.least or most == made_of.least == 0):
-        use = draft.keys.measures[str(path[1])].use
-        message = f"{use} is never below {made_of.least:g}: no machine meets at_most {most:g}"
-        draft.wrong((*path, "at_most"), message)
+    why = never_met(draft.keys.measures[str(path[1])].use, made_of, most) if isinstance(most, float) else ""
+    if why:
+        draft.wrong((*path, "at_most"), why)
     if isinstance(least, float) and isinstance(most, float) and least > most:
         draft.wrong((*path, "at_least"), f"at_least {least:g} is above at_most {most:g}: nothing meets both")
     return bounds
+
+
+def never_met(use: str, made_of: type[Measure], most: float) -> str:
+    """Why no machine meets an upper bound on a measure; nothing where one may."""
+    if most > made_of.least or most == made_of.least != 0:
+        return ""
+    return f"{use} is never below {made_of.least:g}: no machine meets at_most {most:g}"
 
 
 def _has_side(draft: Draft, path: Path, made_of: type[Measure], side: str) -> bool:
