@@ -158,6 +158,7 @@ def test_init_writes_a_spec_that_check_accepts_or_prints_it(spec: Path) -> None:
         == "mine.yaml: ok (orthoglide, 1 variable, 1 measure, 1 goal)\n"
     )
     assert "mine.yaml is there already" in _orthospec("init", "mine", code=2).stderr
+    assert "orthospec run 'My Machine.yaml'\n" in _orthospec("init", "My Machine").stdout
     printed = _orthospec("init", "-", "--machine", "linear_delta").stdout
     assert "$schema" not in printed
     assert _orthospec("check", "-", text=printed).stdout.startswith("-: ok (linear_delta")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -44,7 +45,8 @@ def init(
         return DONE
     spec, schema = write_start(name, machine)
     print_text(f"Written to {spec}, and to {schema} what editors complete it by")
-    print_text(f"Next: orthospec plan {spec}, orthospec run {spec}")
+    quoted = shlex.quote(str(spec))
+    print_text(f"Next: orthospec plan {quoted}, orthospec run {quoted}")
     return DONE
 
 
