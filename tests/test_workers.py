@@ -202,6 +202,14 @@ class TestCluster:
         with pytest.raises(UsageError, match="no Dask scheduler answers"), hired(on="tcp://127.0.0.1:9"):
             pass
 
+    @pytest.mark.parametrize("url", ["foo", "tcp://host", "http://host:8786", "tcp://:x", ""])
+    def test_what_is_no_schedulers_address_is_refused_without_asking_for_it(
+        self, url: str, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("asked"))
+        with pytest.raises(UsageError, match="the address of a scheduler was expected"), hired(on=url):
+            pass
+
     def test_without_dask_it_is_told_how_to_get_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(sys.modules, "distributed", None)
         with pytest.raises(UsageError, match=r"pip install 'orthospec\[dask\]'"), hired(on="tcp://any:1"):

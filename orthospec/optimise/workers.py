@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import os
+import re
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,6 +29,8 @@ from orthospec.workspace.field import Progress
 
 ATTEMPTS = 3
 """How often tasks are begun whose worker dies: what kills every worker is the task itself."""
+ADDRESS = re.compile(r"(tcp|tls)://[^\s/]+:\d{1,5}")
+"""A scheduler's; Dask tries any other text for twice its patience."""
 PATIENCE = 10
 """Seconds in which a scheduler must answer."""
 
@@ -132,6 +135,8 @@ class Cluster:
     """Does tasks on the workers of a Dask scheduler, which gives those of a worker that dies to others."""
 
     def __init__(self, url: str) -> None:
+        if not ADDRESS.fullmatch(url):
+            raise UsageError(f"--on {url}: the address of a scheduler was expected, like tcp://HOST:8786")
         try:
             from distributed import Client
         except ImportError:
