@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from orthospec.intervals import Boxes, Interval
+from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Demand
 from orthospec.measures.dynamic import JointSpeed
@@ -21,6 +24,7 @@ LOW, HIGH = -LEG / np.sqrt(6), LEG / np.sqrt(18)
 CUBE = Cuboid((LOW,) * 3, (HIGH,) * 3)
 SIZE = np.full(3, 0.2)
 FACTORS = VelocityTransmission(), {"at_least": 0.5, "at_most": 2.0}
+HIGH_UP = {"leg_lengths": (0.5,) * 3, "base_radius": 0.3, "platform_radius": 0.05}
 
 
 def machine(measure=None, bounds=None, **keys):
@@ -69,6 +73,47 @@ def test_no_centre_is_excluded_at_which_the_cube_fits(at_most):
 def test_where_a_cube_fits_nothing_is_proved():
     for part in (1e-6, 0.5):
         assert not none_fits(machine(*FACTORS), SIZE * (1 - part), None, 5_000)[0]
+
+
+def test_a_flat_cuboid_that_fits_far_from_the_origin_is_not_excluded():
+    """More than ten thousand of its heights away."""
+    delta = Machine(LinearDelta(**HIGH_UP, joint_limits={"min": 1.5, "max": 2.0}), {})
+    size = np.array([0.05, 0.05, 1e-4])
+    place = Cuboid.around(np.array([0.0, 0.0, 1.25]), size)
+    assert proof_over(delta, place, 0.0, 1_000).verdict == "proved"
+    assert not none_fits(delta, size, None, 20_000)[0]
+    assert bracket(delta, size, Cuboid.around(place.centre, size / 10), 0.1, None, 20_000).most is None
+
+
+def test_where_the_reach_ends_far_out_is_seen_for_flat_cuboids_too():
+    """Seen from above the reach is the same at every height; no square of 415 mm has room in it."""
+    delta = Machine(LinearDelta(**HIGH_UP, joint_limits={"min": 1.5, "max": 2.0}), {})
+    assert none_fits(delta, np.array([0.415, 0.415, 1e-4]), None, 2_000)[0]
+    legs_alone = Machine(LinearDelta(**HIGH_UP), {})
+    assert none_fits(legs_alone, np.array([0.415, 0.415, 1e-4]), None, 2_000)[0]
+
+
+@settings(deadline=None, max_examples=10)
+@given(
+    st.sampled_from(["orthoglide", "linear_delta"]),
+    st.integers(-6, 6).map(lambda half: half / 2),
+    st.tuples(*[st.floats(-4.0, -1.0)] * 3),
+    st.tuples(*[st.floats(0.0, 1.0)] * 3),
+    st.booleans(),
+)
+def test_a_cuboid_that_is_proved_to_fit_somewhere_is_not_said_to_fit_nowhere(name, at, edges, place, known):
+    """Of any proportions, with joint limits anywhere."""
+    if name == "orthoglide":
+        one = Orthoglide(leg_lengths=(0.5,) * 3, joint_limits={"min": 0.4, "max": 0.6})
+        low = np.full(3, -0.1)
+    else:
+        one = LinearDelta(**HIGH_UP, joint_limits={"min": at, "max": at + 0.2})
+        low = np.array([-0.1, -0.1, at - 0.4])
+    size = 10.0 ** np.array(edges)
+    cuboid = Cuboid.around(low + 0.2 * np.array(place), size)
+    assume(proof_over(Machine(one, {}), cuboid, 0.0, 200).verdict == "proved")
+    largest = Cuboid.around(cuboid.centre, 0.9 * size) if known else None
+    assert not none_fits(Machine(one, {}), size, None, 2_000, largest)[0]
 
 
 def test_a_box_that_one_condition_alone_excludes_needs_no_measure():

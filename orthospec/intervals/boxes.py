@@ -75,8 +75,11 @@ class Boxes:
 
     def halves(self, along: NDArray[np.intp]) -> Boxes:
         """Each box cut in two across the coordinate that ``along`` (n,) names for it, (2n, d)."""
-        rows, centres = np.arange(len(self)), self.centres
-        middles = centres[rows, along]
+        return self.cut(along, self.centres)
+
+    def cut(self, along: NDArray[np.intp], at: Poses) -> Boxes:
+        """Each box cut in two at a pose of its own (n, d), across the coordinate that ``along`` names."""
+        rows = np.arange(len(self))
         lower, upper = self.hi.copy(), self.lo.copy()
-        lower[rows, along] = upper[rows, along] = middles
+        lower[rows, along] = upper[rows, along] = at[rows, along]
         return Boxes(np.concatenate([self.lo, upper]), np.concatenate([lower, self.hi]))

@@ -40,10 +40,12 @@ WORTH = 2.0
 """A condition may fail somewhere in a box of half-width h where it has less room than 4 h of its spread."""
 ROOM, APART, MOST_CRITICAL = 0.05, 0.01, 24
 """A condition has little room below this; places nearer than this are one; critical points at most."""
-FAR = 1024.0
-"""Without a region, centres are looked at within so many sizes of the origin."""
+FAR = 1e9
+"""Without a region, all centres are looked at that are so far out at most along each axis [m, rad].
+
+No machine reaches so far, and doubles still tell a tenth of a micrometre there."""
 NEAR = 4.0
-"""Those within so many sizes of the largest cuboid's centre may be near the machine's reach."""
+"""Centres within so many sizes of the largest cuboid's may be near the machine's reach."""
 FINEST = 2.0**-40
 
 
@@ -71,25 +73,41 @@ def none_fits(
         rest = boxes[search.not_excluded(boxes)]
         if len(rest) and ((rest.hi - rest.lo) <= FINEST * size).all(axis=1).any():
             return False, spent
-        waiting = waiting.joined(_cut(rest, size))
+        waiting = waiting.joined(_cut(rest, middle, NEAR * size))
     return True, spent
 
 
-def _cut(boxes: Boxes, size: Array) -> Boxes:
-    """Each box in two, across its longest edge beside the cuboid's; few boxes in each direction."""
-    for _ in range(len(size) if len(boxes) * 2 ** len(size) <= BATCH else 1):
-        boxes = boxes.halves(((boxes.hi - boxes.lo) / size).argmax(axis=1))
+def _cut(boxes: Boxes, middle: Array, near: Array) -> Boxes:
+    """Each box in two, across the edge that is longest beside ``near``; few boxes in each direction.
+
+    Farther than that from the middle an edge counts, and is halved, by the logarithm of how far its ends are.
+    """
+    for _ in range(len(middle) if len(boxes) * 2 ** len(middle) <= BATCH else 1):
+        lo, hi = (_reckoned((end - middle) / near) for end in (boxes.lo, boxes.hi))
+        at = np.clip(middle + near * _unreckoned((lo + hi) / 2), boxes.lo, boxes.hi)
+        boxes = boxes.cut((hi - lo).argmax(axis=1), at)
     return boxes
+
+
+def _reckoned(x: Array) -> Array:
+    """x from −1 to 1, and beyond with its sign 1 + log|x|."""
+    return np.asarray(np.where(np.abs(x) <= 1, x, np.copysign(1 + np.log(np.maximum(np.abs(x), 1)), x)))
+
+
+def _unreckoned(y: Array) -> Array:
+    """The x that is reckoned so."""
+    return np.asarray(np.where(np.abs(y) <= 1, y, np.copysign(np.exp(np.maximum(np.abs(y), 1) - 1), y)))
 
 
 def _centres(size: Array, region: Cuboid | None, middle: Array) -> Boxes:
     """All centres, as one box or some; none where the region is too small.
 
-    Without a region those near the ``middle`` stand apart from those far out, which are excluded at once.
+    Without a region those near the ``middle`` stand apart from those farther out, most of which are excluded
+    at once.
     """
     if region is None:
-        ends = np.stack([-FAR * size, middle - NEAR * size, middle + NEAR * size, FAR * size])
-        cuts = np.clip(ends, -FAR * size, FAR * size)
+        far = np.full(len(size), FAR)
+        cuts = np.clip(np.stack([-far, middle - NEAR * size, middle + NEAR * size, far]), -FAR, FAR)
         thirds = np.array(list(product(range(3), repeat=len(size))))
         axes = np.arange(len(size))
         return Boxes(cuts[thirds, axes], cuts[thirds + 1, axes])
