@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from orthospec.errors import UsageError
 from orthospec.manipulators import Manipulator
+from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.workspace.cuboid import Cuboid, Placement
 from orthospec.workspace.grid import Grid, make_grid, reach_box
@@ -38,6 +39,16 @@ class Everywhere(Manipulator):
 
     def skeleton(self, poses):  # noqa: ARG002
         pytest.fail("nothing here draws the machine")
+
+
+class Plate(Everywhere):
+    """A machine that reaches the poses of a plate."""
+
+    def inverse_kinematics(self, poses):
+        return poses.copy(), (np.abs(poses) <= HALF_PLATE).all(axis=1)
+
+
+HALF_PLATE = np.array([0.9, 0.7, 0.001])
 
 
 @settings(deadline=None)
@@ -111,6 +122,37 @@ def test_reach_box_contains_the_reach(lengths, size):
     assert (reached >= box.low).all()
     assert (reached <= box.high).all()
     assert (box.size <= 2.6 * max(lengths)).all()
+
+
+LIMITED = Orthoglide(
+    leg_lengths=(1.0, 1.0, 1.0), joint_limits={"min": (1.05, 1.05, 0.5), "max": (1.4, 1.4, 1.5)}
+)
+HIGH_UP = LinearDelta(
+    leg_lengths=(0.5, 0.5, 0.5),
+    base_radius=0.3,
+    platform_radius=0.05,
+    joint_limits={"min": 1.5, "max": 2.0},
+)
+
+
+@pytest.mark.parametrize("machine", [UNIT, LIMITED, HIGH_UP], ids=["orthoglide", "limited", "delta"])
+@pytest.mark.parametrize("size", [(0.2, 0.2, 0.02), (0.02, 0.2, 0.2), (0.2, 0.2, 2e-4), (2e-3, 2e-3, 0.5)])
+def test_reach_box_fits_the_reach_whatever_the_cuboids_proportions(machine, size):
+    """No reachable pose is outside it, though it is hardly larger than the poses that were found."""
+    box = reach_box(machine, np.array(size))
+    around = Cuboid.around(box.centre, 1.5 * box.size)
+    poses = around.poses(np.random.default_rng(0).uniform(-0.5, 0.5, (100_000, 3)), 3)
+    reached = poses[machine.inverse_kinematics(poses)[1]]
+    assert (reached >= box.low).all()
+    assert (reached <= box.high).all()
+    assert (box.size <= 1.2 * np.ptp(reached, axis=0)).all()
+
+
+def test_a_reach_much_flatter_than_the_cuboid_is_fitted_along_each_axis():
+    box = reach_box(Plate(), np.full(3, 0.2))
+    assert (box.low <= -HALF_PLATE).all()
+    assert (box.high >= HALF_PLATE).all()
+    assert (box.size <= 2.4 * HALF_PLATE).all()
 
 
 @pytest.mark.parametrize("nowhere", [False, True])

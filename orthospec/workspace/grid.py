@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,8 @@ COARSENED = 100_000_000
 """Nodes, roughly, of the coarser grid that is taken where one would be too large."""
 DOUBLINGS = 24
 """How often the search box may double before the reach is said to have no end."""
+REFINEMENTS = 24
+"""How often the box about the reach is found anew at most."""
 
 
 @dataclass(frozen=True)
@@ -97,11 +100,14 @@ def fitting_divisions(manipulator: Manipulator, size: Array, divisions: int, reg
 
 
 def reach_box(manipulator: Manipulator, size: Array) -> Cuboid:
-    """A box around all reachable poses: doubled from the prescribed size until nothing touches its faces.
+    """A box around all reachable poses, by a lattice that is refined along each axis; larger by a step of it.
+
+    It is sought in a box as long along all lengths (or angles) as the longest of the cuboid's edges, doubled
+    until nothing touches its faces: a reach has proportions of its own.
 
     Raises UsageError where nothing is reachable, or the reach has no end: the spec's region says it then.
     """
-    half = np.array(size, dtype=float)
+    half = _evened(size, manipulator.axes)
     lattice = _lattice(len(size))
     on_faces = (np.abs(lattice) == 0.5).any(axis=1)
     for _ in range(DOUBLINGS):
@@ -110,10 +116,26 @@ def reach_box(manipulator: Manipulator, size: Array) -> Cuboid:
         if not _reachable(manipulator, box, lattice[on_faces]).any():
             inside = _reachable(manipulator, box, lattice)
             if inside.any():
-                closer = _around(box, inside)
-                return _around(closer, _reachable(manipulator, closer, lattice))
+                return _fitted(manipulator, _around(box, inside), lattice)
         half *= 2
     raise UsageError("the machine's reach was not found, or has no end: give workspace.region in the spec")
+
+
+def _evened(size: Array, axes: Sequence[str]) -> Array:
+    """The longest edge of the same kind for each one (d,): of the lengths, or of the angles."""
+    turns = np.array([axis.startswith("r") for axis in axes[: len(size)]])
+    return np.asarray(np.where(turns, size[turns].max(initial=0.0), size[~turns].max(initial=0.0)))
+
+
+def _fitted(manipulator: Manipulator, box: Cuboid, lattice: Array) -> Cuboid:
+    """The box about the reach found anew on its own lattice, until that halves no edge nor goes beyond it."""
+    for _ in range(REFINEMENTS):
+        closer = _around(box, _reachable(manipulator, box, lattice))
+        outside = np.less(closer.low, box.low) | np.greater(closer.high, box.high)
+        if not (outside | (closer.size < box.size / 2)).any():
+            return closer
+        box = closer
+    return box
 
 
 def _lattice(d: int) -> Array:
