@@ -1,9 +1,9 @@
-"""What is told of a design when its machine fails in what the measures do not need."""
+"""What is told of a design of which a measure, or the machine in something, fails: all else."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -11,9 +11,13 @@ import pytest
 from orthospec import registry
 from orthospec.errors import PluginFault
 from orthospec.manipulators.orthoglide import Orthoglide
+from orthospec.measures import Measure
+from orthospec.measures.kinematic import VelocityTransmission
 from orthospec.optimise import Outcome, evaluate_spec
 from orthospec.preview import preview
+from orthospec.preview.build import scene_of
 from orthospec.report import report
+from orthospec.report.subject import Subject
 from orthospec.solution import solution_of
 from orthospec.spec import Spec
 
@@ -84,3 +88,31 @@ def test_a_machine_that_is_not_drawn_is_told_and_costs_the_pages_its_drawing_alo
 def test_what_a_machine_owes_to_every_measure_has_its_place(evaluated: Callable[..., Any]) -> None:
     with pytest.raises(PluginFault, match=r"spec\.yaml:3:1: plugin Lacking: indices gave no 'stroke'"):
         evaluated(Lacking)
+
+
+class Broken(Measure):
+    """Raises."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator: Any, poses: Any) -> Any:  # noqa: ARG002
+        """None."""
+        raise ZeroDivisionError("no number")
+
+
+def test_a_measure_that_fails_costs_the_pages_what_is_of_it_alone(
+    spec_of: Callable[..., Spec], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    uses = {"velocity_transmission": VelocityTransmission, "condition_number": Broken}
+    monkeypatch.setattr(registry, "find_measure", uses.get)
+    spec = spec_of(SPEC.replace("at_most: 2}", "at_most: 2}, broken: {use: condition_number, at_most: 3}"))
+    solution = solution_of(spec, evaluate_spec(spec))
+    scene, page, reported = scene_of(Subject(solution)), preview(solution), report(solution)
+    assert [scale.words for scale in scene.scales] == ["transmission"]
+    assert {"machine", "workspace", "cuboid"} <= {group.path for group in scene.groups}
+    assert "broken is not shown: " in page
+    assert "plugin Broken (measure broken): raised ZeroDivisionError: no number" in page
+    assert "No field is shown of broken: " in reported
+    assert "No field is shown of transmission" not in reported
+    assert 'id="slice-transmission-' in reported

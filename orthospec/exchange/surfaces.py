@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,8 @@ def _workspace(solution: Solution) -> bytes:
             "the workspace of this result is not known: its spec or a plugin of it is not at hand"
         )
     workspace = solution.spec.workspace
-    surface = workspace_surface(sampled(solution.design, workspace.region, np.array(workspace.size), NODES))
+    alone = replace(solution.design, demands=())
+    surface = workspace_surface(sampled(alone, workspace.region, np.array(workspace.size), NODES))
     if surface is None:
         raise UsageError("this result has no workspace in space")
     return _stl(trimesh.Trimesh(surface.vertices, surface.triangles, process=False))

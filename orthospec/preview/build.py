@@ -202,12 +202,16 @@ def _axes(scene: Scene, subject: Subject) -> None:
 
 
 def _colours(scene: Scene, subject: Subject, design: Design, demand: Demand, place: Cuboid) -> None:
-    """The values of a measure as colours on the faces of the cuboid."""
+    """The values of a measure as colours on the faces of the cuboid; the panel tells which one fails."""
     if len(place.low) not in (2, 3):
         return
     u, triangles = _faces(len(place.low))
     poses = place.poses(u, len(design.manipulator.axes))
-    values = _values(design.manipulator, demand, poses, bound_side(demand.bounds))
+    try:
+        values = _values(design.manipulator, demand, poses, bound_side(demand.bounds))
+    except PluginFault as fault:
+        scene.notes.append(f"{demand.name} is not shown: {fault}")
+        return
     known = np.isfinite(values)
     if not known.any():
         return

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.errors import OrthospecError
+from orthospec.errors import OrthospecError, PluginFault
 from orthospec.measures.demand import bounded_side, excess
 from orthospec.solution import Lattice, sampled, sliced, workspace_surface
 from orthospec.workspace.cuboid import Cuboid
@@ -56,16 +56,23 @@ def fields(solution: Solution, design: Design) -> tuple[list[Field], list[str]]:
     """A field for each measure that can be computed, and what to say of the others."""
     failed = {error.name for error in solution.result.errors}
     groups: dict[Cuboid | None, list[Demand]] = {}
-    for demand in design.demands:
-        if demand.name not in failed:
-            groups.setdefault(cuboid_of(solution, demand.name), []).append(demand)
     found: list[Field] = []
-    notes = [f"No field is shown of {name}, which failed." for name in sorted(failed)]
+    notes: list[str] = []
+    for demand in design.demands:
+        if demand.name in failed:
+            notes.append(f"No field is shown of {demand.name}, which failed.")
+        else:
+            groups.setdefault(cuboid_of(solution, demand.name), []).append(demand)
     for cuboid, demands in groups.items():
-        try:
-            found += _of(solution, replace(design, demands=tuple(demands)), cuboid)
-        except OrthospecError as error:
-            notes.append(f"No field is shown of {', '.join(one.name for one in demands)}: {error}")
+        while demands:
+            try:
+                found += _of(solution, replace(design, demands=tuple(demands)), cuboid)
+                break
+            except OrthospecError as error:
+                place = error.place if isinstance(error, PluginFault) else None
+                without = [one for one in demands if one.place == place] or demands
+                notes.append(f"No field is shown of {', '.join(one.name for one in without)}: {error}")
+                demands = [one for one in demands if one not in without]
     return found, notes
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -75,12 +75,13 @@ class Subject:
 
     @cached_property
     def lattice(self) -> Lattice | None:
-        """The measures around the reach, coarsely; None without a machine, or without an end of its reach."""
+        """The reach, coarsely; None without a machine, or without an end of its reach."""
         spec = self.solution.spec
         if self.design is None or spec is None:
             return None
         try:
-            return sampled(self.design, spec.workspace.region, np.array(spec.workspace.size), NODES)
+            alone = replace(self.design, demands=())
+            return sampled(alone, spec.workspace.region, np.array(spec.workspace.size), NODES)
         except OrthospecError:
             return None
 
