@@ -10,6 +10,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+RAISED = (Exception, SystemExit)
+"""What the code of others may raise: SystemExit too, which would end the program without a word."""
+
 
 class OrthospecError(Exception):
     """Base of all that orthospec raises on purpose; its text is for the user.

@@ -32,6 +32,9 @@ def exit_code(work: Callable[[], int]) -> int:
     except OrthospecError as error:
         say(str(error))
         return error.exit_code
+    except SystemExit as error:
+        say(f"a plugin ended the program: SystemExit: {error}")
+        return PLUGIN
     except Exception as error:
         say(_fault(error))
         return FAULT

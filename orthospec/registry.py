@@ -14,7 +14,7 @@ from functools import lru_cache
 from importlib.metadata import EntryPoint, distributions
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from orthospec.errors import PluginFault, UsageError
+from orthospec.errors import RAISED, PluginFault, UsageError
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
@@ -75,7 +75,7 @@ def _find(group: str, name: str, base: type[_Base]) -> type[_Base]:
     owner = distribution_of(group, name)
     try:
         found = EntryPoint(name, owner.target, group).load()
-    except Exception as error:
+    except RAISED as error:
         raise PluginFault(
             name, f"{owner.target} of {owner.distribution} cannot be loaded: {_words(error)}"
         ) from error
@@ -98,7 +98,7 @@ def _kind(group: str) -> str:
     return group.removeprefix("orthospec.").removesuffix("s")
 
 
-def _words(error: Exception) -> str:
+def _words(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"
 
 

@@ -379,6 +379,7 @@ def test_version_and_help() -> None:
             5,
             "small.yaml:8:3: plugin bad: raised",
         ),
+        (SystemExit(7), 5, "a plugin ended the program: SystemExit: 7"),
         (KeyboardInterrupt(), 4, "stopped before there was a result"),
         (KeyError("x"), 1, "fault in orthospec itself: KeyError: 'x' (test_cli.py:"),
     ],

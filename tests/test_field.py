@@ -121,9 +121,14 @@ def raising(poses):
     raise ZeroDivisionError(f"{len(poses)} poses were too many")
 
 
+def exiting(_):
+    raise SystemExit(7)
+
+
 @pytest.mark.parametrize(
     ("act", "says"),
     [
+        (exiting, "raised SystemExit: 7"),
         (raising, "raised ZeroDivisionError: .* too many"),
         (lambda poses: np.zeros(len(poses) + 1), r"gave shape \(\d+,\) for \d+ poses"),
         (lambda poses: np.zeros((len(poses), 3)), r"gave shape \(\d+, 3\)"),

@@ -145,6 +145,15 @@ def test_what_a_machine_owes_and_does_not_give_is_its_fault(method, wrong, says,
         _asked(Given(leg_lengths=(0.3, 0.3, 0.3)), method)
 
 
+def test_a_machine_that_ends_the_program_is_its_fault(monkeypatch):
+    def ends(_):
+        raise SystemExit(7)
+
+    monkeypatch.setitem(Given.wrong, "skeleton", ends)
+    with pytest.raises(PluginFault, match="plugin Given: skeleton raised SystemExit: 7"):
+        _asked(Given(leg_lengths=(0.3, 0.3, 0.3)), "skeleton")
+
+
 def test_an_index_that_the_machine_cannot_know_may_be_left_out():
     machine = Orthoglide(leg_lengths=(0.3, 0.3, 0.3))
     assert "total_mass" in machine.index_units

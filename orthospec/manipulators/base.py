@@ -20,7 +20,7 @@ from pydantic import ConfigDict, PrivateAttr
 
 from orthospec.arrays import np
 from orthospec.described import Described
-from orthospec.errors import OrthospecError, PluginFault
+from orthospec.errors import RAISED, OrthospecError, PluginFault
 from orthospec.mechanics import inertia
 
 if TYPE_CHECKING:
@@ -202,7 +202,7 @@ def _faulting(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, An
             lacks = _OWED[name](self, argument, value) if name in _OWED and is_own else ""
         except OrthospecError:
             raise
-        except Exception as error:
+        except RAISED as error:
             raise PluginFault(
                 type(self).__name__, f"{name} raised {type(error).__name__}: {error}"
             ) from error

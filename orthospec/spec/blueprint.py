@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from orthospec.errors import PluginFault
+from orthospec.errors import RAISED, PluginFault
 from orthospec.spec.document import Path
 from orthospec.spec.wording import Problem, problems
 
@@ -43,7 +43,7 @@ class Blueprint(Generic[Built]):
             return self.made_of.model_validate(self.keys, context={"variables": values})
         except ValidationError as error:
             raise Refused(problems(error, self.keys, self.made_of, values)) from None
-        except Exception as error:
+        except RAISED as error:
             raise PluginFault(self.use, f"{type(error).__name__}: {error}", self.place) from error
 
 

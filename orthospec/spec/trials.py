@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel
 
-from orthospec.errors import PluginFault
+from orthospec.errors import RAISED, PluginFault
 from orthospec.quantities import Expression, ExpressionError
 from orthospec.quantities.fields import is_quantity, read
 from orthospec.spec.blueprint import Blueprint, Refused, booleans_as_numbers
@@ -100,7 +100,7 @@ def _use(draft: Draft) -> str:
 def _missing(draft: Draft, machine: Manipulator, what: str) -> tuple[str, ...]:
     try:
         return machine.missing(what)
-    except Exception as error:
+    except RAISED as error:
         raise PluginFault(_use(draft), f"missing({what!r}): {error}") from error
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from orthospec.errors import RAISED
 from orthospec.intervals import Boxes, Interval
 from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand
@@ -300,7 +301,7 @@ def _margins(manipulator: Manipulator, boxes: Boxes) -> list[Interval] | None:
     """Bounds on all margins of the reach; None where nothing is known."""
     try:
         margins = list(manipulator.reach_enclosure(boxes).values())
-    except Exception:  # As in a proof, which tells why: here the nodes are measured instead.
+    except RAISED:  # As in a proof, which tells why: here the nodes are measured instead.
         return None
     return margins or None
 
@@ -309,7 +310,7 @@ def _enclosed(manipulator: Manipulator, demand: Demand, boxes: Boxes) -> Interva
     """Bounds on a demand's measure, shaped as its values; None where nothing is known."""
     try:
         return demand.enclosure(manipulator, boxes)
-    except Exception:  # As in a proof, which tells why: here the nodes are measured instead.
+    except RAISED:  # As in a proof, which tells why: here the nodes are measured instead.
         return None
 
 

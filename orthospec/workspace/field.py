@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.errors import OrthospecError, PluginFault
+from orthospec.errors import RAISED, OrthospecError, PluginFault
 from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand
 from orthospec.workspace.grid import Grid
@@ -74,7 +74,7 @@ def measured(demand: Demand, manipulator: Manipulator, poses: Poses) -> Array:
         values = demand.measure.values(manipulator, poses)
     except OrthospecError:
         raise
-    except Exception as error:
+    except RAISED as error:
         raise PluginFault(_title(demand), f"raised {type(error).__name__}: {error}", demand.place) from error
     if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
         raise PluginFault(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orthospec.composite.template import Template, compile_form
-from orthospec.errors import OrthospecError, PluginFault
+from orthospec.errors import RAISED, OrthospecError, PluginFault
 from orthospec.interrupts import ctrl_c_waiting
 from orthospec.measures import ConvexForm, Demand
 from orthospec.measures.demand import bounded_side
@@ -56,7 +56,7 @@ def _compiled(demand: Demand, form: ConvexForm) -> Template:
     def holds(*stated: Any) -> list[Any]:
         try:
             return form.holds(*stated)
-        except Exception as error:
+        except RAISED as error:
             raise _fault(demand, f"holds raised {type(error).__name__}: {error}") from error
 
     with ctrl_c_waiting():
@@ -66,7 +66,7 @@ def _compiled(demand: Demand, form: ConvexForm) -> Template:
             raise
         except ValueError as error:
             raise _fault(demand, str(error)) from error
-        except Exception as error:
+        except RAISED as error:
             said = f"cvxpy takes no such constraints: {type(error).__name__}: {error}"
             raise _fault(demand, said) from error
 
@@ -81,7 +81,7 @@ def form_of(machine: Machine, name: str, side: str, poses: Poses) -> ConvexForm 
         form = demand.measure.form(machine.manipulator, poses, side)
     except OrthospecError:
         raise
-    except Exception as error:
+    except RAISED as error:
         raise _fault(demand, f"raised {type(error).__name__}: {error}") from error
     if form is None:
         return None

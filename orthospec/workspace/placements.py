@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from orthospec.errors import RAISED
 from orthospec.intervals import Boxes, Interval
 from orthospec.intervals.linear import Linear
 from orthospec.measures.demand import bounded_side
@@ -219,7 +220,7 @@ class _Search:
         numbers = [int(number) for number in np.flatnonzero(self._case_of == case)]
         try:
             over = self._reach(numbers, boxes) if case < 0 else self._bounds(case, numbers, boxes)
-        except Exception:
+        except RAISED:
             # What cannot be carried over boxes excludes nothing; a verdict tells why.
             return {}
         return {k: excess for k, excess in over.items() if self._is_of(excess, boxes)}

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from orthospec.errors import OrthospecError
+from orthospec.errors import RAISED, OrthospecError
 from orthospec.intervals import Boxes
 from orthospec.intervals.refusal import line_of
 from orthospec.measures.demand import ROUNDING
@@ -149,7 +149,7 @@ class _Search:
             if not waiting:
                 self._judged(self._samples())
             self._climb()
-        except Exception as error:
+        except RAISED as error:
             return [replace(claim, boxes=self._boxes, why=_reason(error)) for claim in self._claims]
         return self._settled(proved, waiting)
 
@@ -281,7 +281,7 @@ def _batches(boxes: Boxes, excess: Array) -> list[tuple[Boxes, Array]]:
     return [(boxes[i : i + size], excess[:, i : i + size]) for i in cuts]
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     """The error's own words, or what a plugin raised and where."""
     if isinstance(error, OrthospecError):
         return str(error)
