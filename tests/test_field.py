@@ -132,7 +132,12 @@ def exiting(_):
         (raising, "raised ZeroDivisionError: .* too many"),
         (lambda poses: np.zeros(len(poses) + 1), r"gave shape \(\d+,\) for \d+ poses"),
         (lambda poses: np.zeros((len(poses), 3)), r"gave shape \(\d+, 3\)"),
+        (
+            lambda poses: np.column_stack([np.full(len(poses), 2.0), np.ones(len(poses))]),
+            "gave 2 as the least value and 1 as the greatest of one pose",
+        ),
         (lambda _: 1.0, "gave float"),
+        (lambda poses: np.ma.masked_less(np.ones(len(poses)), 0), "gave MaskedArray"),
         (lambda poses: [1.0] * len(poses), "gave list"),
         (lambda poses: np.zeros(len(poses), dtype=int), "not an array of floats"),
         (lambda _: None, "gave NoneType"),

@@ -17,6 +17,7 @@ import numpy as np
 from orthospec.errors import RAISED, OrthospecError, PluginFault
 from orthospec.manipulators import Manipulator
 from orthospec.measures import Demand
+from orthospec.measures.demand import ROUNDING
 from orthospec.workspace.grid import Grid
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class Failure:
 def measured(demand: Demand, manipulator: Manipulator, poses: Poses) -> Array:
     """The demand's measure at the poses: (n,) or (n, 2).
 
-    Raises PluginFault where the measure raises, or gives another shape or type.
+    Raises PluginFault where the measure raises, gives another shape or type, or least and greatest swapped.
     """
     try:
         values = demand.measure.values(manipulator, poses)
@@ -76,7 +77,8 @@ def measured(demand: Demand, manipulator: Manipulator, poses: Poses) -> Array:
         raise
     except RAISED as error:
         raise PluginFault(_title(demand), f"raised {type(error).__name__}: {error}", demand.place) from error
-    if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
+    is_array = isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray)
+    if not is_array or values.dtype.kind != "f":
         raise PluginFault(
             _title(demand), f"gave {type(values).__name__}, not an array of floats", demand.place
         )
@@ -85,7 +87,18 @@ def measured(demand: Demand, manipulator: Manipulator, poses: Poses) -> Array:
         raise PluginFault(
             _title(demand), f"gave shape {values.shape} for {n} poses, not (n,) or (n, 2)", demand.place
         )
+    if values.ndim == 2 and (swapped := _swapped(values)).any():
+        least, greatest = values[int(np.argmax(swapped))]
+        said = f"gave {least:.6g} as the least value and {greatest:.6g} as the greatest of one pose"
+        raise PluginFault(_title(demand), said, demand.place)
     return values
+
+
+def _swapped(values: Array) -> NDArray[np.bool_]:
+    """Where the least value lies above the greatest one by more than rounding (n,)."""
+    least, greatest = values[:, 0], values[:, 1]
+    with np.errstate(invalid="ignore"):
+        return np.asarray(least > greatest + ROUNDING * np.abs(greatest))
 
 
 def _title(demand: Demand) -> str:
