@@ -32,7 +32,7 @@ manipulator:
 workspace: {size: [0.1, 0.1, 0.05], divisions: 2}
 measures:
   transmission: {use: velocity_transmission, at_least: 0.4, at_most: 2.5}
-  stiffness: {use: stiffness, at_least: 1e5}
+  stiffness: {use: stiffness, at_least: 0.1 N/um}
 sweep: {variable: leg, from: 0.35, to: 0.45, points: 3}
 """
 
@@ -211,6 +211,9 @@ def test_designs_are_a_table_whose_numbers_read_back(study: Study, tmp_path: Pat
     assert highest is not None
     assert float(rows[0]["transmission highest"]) == highest.value
     assert float(rows[0]["total_mass [kg]"]) == study.result.indices["total_mass"]
+    lowest = study.result.workspace.measures["stiffness"].lowest
+    assert lowest is not None
+    assert float(rows[0]["stiffness lowest [N/m]"]) == lowest.value
 
 
 @pytest.mark.parametrize(

@@ -38,19 +38,20 @@ def _rows(subject: Subject) -> Iterator[dict[str, Any]]:
 
 
 def _row(subject: Subject, one: DesignRecord, attainment: AttainmentRecord | None) -> dict[str, Any]:
-    known, workspace = subject.known, one.workspace
+    workspace, design = one.workspace, subject.design
+    of_indices = design.manipulator.index_units if design else {}
+    of_measures = {demand.name: demand.measure.unit for demand in design.demands} if design else {}
     row: dict[str, Any] = dict(one.variables)
     row["λ"] = attainment.factor if attainment else None
     for name, goal in (attainment.goals if attainment else {}).items():
         row[f"goal {name}"] = goal.value
     for name, value in one.indices.items():
-        row[_with_unit(name, known.indices.get(name, ""))] = value
+        row[_with_unit(name, of_indices.get(name, ""))] = value
     row["scale"] = workspace.joint.scale if workspace.joint else None
     row["holds"] = "" if workspace.prescribed is None else ("yes" if workspace.prescribed.holds else "no")
     for name, record in workspace.measures.items():
-        unit = known.measures[name].unit if name in known.measures else ""
         for end, extreme in (("lowest", record.lowest), ("highest", record.highest)):
-            row[_with_unit(f"{name} {end}", unit)] = extreme.value if extreme else None
+            row[_with_unit(f"{name} {end}", of_measures.get(name, ""))] = extreme.value if extreme else None
     return row
 
 
