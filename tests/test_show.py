@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from orthospec.errors import UsageError
 from orthospec.show import ProgressLine, Silence, explain, installed, show, show_installed
+from orthospec.show.labels import labels
 from orthospec.show.numbers import Numbers, percent
 from orthospec.show.page import Page
 from orthospec.spec import Spec, load_spec
@@ -389,3 +390,25 @@ def test_a_result_of_the_specs_folder_of_another_time_is_readable(tmp_path: Path
     other = SPEC.replace("leg, leg, 0.33", "bar, bar, 0.33").replace("  leg:", "  bar:")
     path.write_text(other.replace("minimise: leg", "minimise: bar").replace("2*leg", "2*bar"))
     assert "  leg  0.310583" in show(CONTENT, width=80, colour=False, spec=load_spec(path)).splitlines()
+
+
+TILTED = """\
+orthospec: 1
+variables: {tilt: {min: 5 deg, max: 20 deg}, leg: {min: 0.3, max: 0.5}}
+manipulator:
+  {use: linear_delta, leg_lengths: [leg, leg, leg], base_radius: 0.3, platform_radius: 0.05, rail_tilt: tilt}
+workspace: {size: [200 mm, 200 mm, 100 mm]}
+measures: {transmission: {use: velocity_transmission, at_most: 2}}
+goals: {small: {minimise: footprint, goal: 1500 cm^2}, stroke: {minimise: stroke, goal: 0.3}}
+"""
+
+
+def test_a_variable_s_unit_is_its_field_s_and_a_goal_s_its_index_s(tmp_path: Path) -> None:
+    path = tmp_path / "spec.yaml"
+    path.write_text(TILTED)
+    spec = load_spec(path)
+    known = labels(spec, spec.default_values())
+    assert known.fields["rail_tilt",].units == ("deg",)
+    assert known.fields["leg_lengths",].units == ("m",)
+    assert known.indices["footprint"] == "cm^2"
+    assert known.indices["stroke"] == "m"

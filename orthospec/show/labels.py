@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from orthospec.errors import OrthospecError
@@ -84,26 +85,35 @@ def labels(spec: Spec | None, variables: Mapping[str, float]) -> Labels:
         design = spec.design(variables)
     except OrthospecError:
         return Labels()
+    given = {name: _units_given(spec.document.data["variables"][name]) for name in spec.variables}
+    written = {name: unit for name, units in given.items() if (unit := next(units, None)) is not None}
     known = Labels(
         axes=tuple("m" if axis in _LENGTH_AXES else "rad" for axis in design.manipulator.axes),
         joints=design.manipulator.joint_units,
         size=spec.workspace.size,
-        fields=fields_of(type(design.manipulator), spec.manipulator.keys),
+        fields=fields_of(type(design.manipulator), spec.manipulator.keys, written),
         tolerances=spec.tolerances,
         indices=design.manipulator.index_units,
         ranges=spec.variables,
-        measures={one.name: _asked(spec, one) for one in design.demands},
+        measures={one.name: _asked(spec, one, written) for one in design.demands},
     )
-    units = {name: _unit_of_variable(spec, name, known.fields) for name in spec.variables}
+    units = {name: written.get(name) or _unit_where_it_stands(spec, name, known.fields) for name in given}
     aims = {goal.name: _aim(spec, goal, known.measures, {**known.indices, **units}) for goal in design.goals}
-    return Labels(**{**vars(known), "variables": units, "goals": aims})
+    aimed_at = {goal.expression.text: aims[goal.name].unit for goal in design.goals}
+    indices = {name: aimed_at.get(name, unit) for name, unit in known.indices.items()}
+    return Labels(**{**vars(known), "indices": indices, "variables": units, "goals": aims})
 
 
-def fields_of(made_of: type[BaseModel], written: Any) -> dict[Path, Field]:
-    """The keys of a class at any depth, in the units that ``written`` gives them in."""
+def fields_of(
+    made_of: type[BaseModel], written: Any, variables: Mapping[str, str] | None = None
+) -> dict[Path, Field]:
+    """The keys of a class at any depth, in the units that ``written`` gives them in.
+
+    A bare name stands for the unit that its variable is written in.
+    """
     return {
         key.path: Field(
-            units=_as_written(key.units, _at(written, key.path)),
+            units=_as_written(key.units, _at(written, key.path), variables=variables or {}),
             default=key.default,
             word=_word(_at(written, key.path)) if key.part is not None else "",
         )
@@ -121,11 +131,13 @@ def _word(written: Any) -> str:
     return written if isinstance(written, str) else ""
 
 
-def _as_written(units: tuple[str, ...], *written: Any) -> tuple[str, ...]:
+def _as_written(
+    units: tuple[str, ...], *written: Any, variables: Mapping[str, str] = MappingProxyType({})
+) -> tuple[str, ...]:
     """The first unit of the same kind that is written, for a field whose numbers have one unit."""
     if len(units) != 1:
         return units
-    for name in (name for one in written for name in _units_given(one)):
+    for name in (name for one in written for name in _units_given(one, variables)):
         try:
             if parse_unit(name).dimension == parse_unit(units[0]).dimension:
                 return (name,)
@@ -134,34 +146,33 @@ def _as_written(units: tuple[str, ...], *written: Any) -> tuple[str, ...]:
     return units
 
 
-def _units_given(written: Any) -> Iterator[str]:
+def _units_given(written: Any, variables: Mapping[str, str] = MappingProxyType({})) -> Iterator[str]:
     if isinstance(written, Mapping):
         written = list(written.values())
     for one in written if isinstance(written, list) else [written]:
         if isinstance(one, list):
-            yield from _units_given(one)
+            yield from _units_given(one, variables)
         elif isinstance(one, str) and is_quantity(one):
             yield one.split()[-1]
+        elif isinstance(one, str) and one.strip() in variables:
+            yield variables[one.strip()]
 
 
-def _asked(spec: Spec, demand: Demand) -> Asked:
+def _asked(spec: Spec, demand: Demand, variables: Mapping[str, str]) -> Asked:
     written = spec.document.data["measures"][demand.name]
     bounds = [written.get(key) for key in ("at_least", "at_most", "levels")]
     own = next(plan.blueprint for plan in spec.measures if plan.name == demand.name)
     return Asked(
         use=own.use,
-        unit=_as_written((demand.measure.unit,), *bounds)[0],
+        unit=_as_written((demand.measure.unit,), *bounds, variables=variables)[0],
         bounds=demand.bounds,
         keys=demand.measure.model_dump(mode="json", by_alias=True, exclude_none=True),
-        fields=fields_of(type(demand.measure), own.keys),
+        fields=fields_of(type(demand.measure), own.keys, variables),
     )
 
 
-def _unit_of_variable(spec: Spec, name: str, fields: Mapping[Path, Field]) -> str:
-    """The unit that its range is given in, else that of the manipulator's fields where it stands alone."""
-    given = next(_units_given(spec.document.data["variables"][name]), None)
-    if given is not None:
-        return given
+def _unit_where_it_stands(spec: Spec, name: str, fields: Mapping[Path, Field]) -> str:
+    """The unit of the manipulator's fields that are this variable alone."""
     stands_in = {
         unit
         for path, one in fields.items()
