@@ -183,6 +183,12 @@ def test_each_status_has_its_sentence(status: str, said: str) -> None:
     assert said in _text(status=status)
 
 
+def test_without_goals_none_is_said_to_be_met() -> None:
+    text = " ".join(_text(status="attained", attainment=None).split())
+    assert "Found: every bound holds. There is no goal, so that any design that holds will do." in text
+    assert "Attained" not in text
+
+
 def test_stopped_while_starts_are_refined_no_places_are_told() -> None:
     search = {"designs": 8, "refined": 3, "distinct": 0, "starts": 0, "subproblems": 9}
     text = " ".join(_text(status="unfinished", search=search).split())

@@ -36,9 +36,12 @@ def status(result: Result) -> tuple[str, str]:
     with_factor = "" if factor is None else f" (λ = {factor:.6g})"
     evaluated = ("good", "every bound holds") if holds(result) else ("bad", "not every bound holds")
     found = result.search is not None and result.search.subproblems > 0
+    attained = f"Attained: every bound holds and every goal is met{with_factor}."
+    if result.attainment is None:
+        attained = "Found: every bound holds. There is no goal, so that any design that holds will do."
     so_far = "the best design found so far" if found else "the design that the search starts from"
     return {
-        "attained": ("good", f"Attained: every bound holds and every goal is met{with_factor}."),
+        "attained": ("good", attained),
         "compromise": ("warn", f"Best compromise: every bound holds, not every goal is met{with_factor}."),
         "infeasible": ("bad", "No design was found in which every bound holds."),
         "evaluated": (evaluated[0], f"Evaluated: {evaluated[1]} in the prescribed cuboid."),
