@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from orthospec.errors import PluginFault, UsageError
 from orthospec.manipulators.orthoglide import Orthoglide
@@ -243,12 +244,21 @@ def test_a_region_without_a_node_is_wrong_use():
 
 
 def test_two_axes_have_a_square():
-    """The machine moved in the plane z = 0: the same rule with d = 2."""
-    flat = Setting(np.full(2, 0.2), 10)
-    found = evaluate(machine_of(transmission()), flat)
-    assert len(found.joint.cuboid.low) == 2
-    assert found.joint.scale > 1.0
-    assert found.joint.scale >= found.joint.grid_scale
+    """The machine moved in the plane z = 0: a factor reaches 2 at two opposed corners (c, c).
+
+    J⁻¹ is [[1, t, 0], [t, 1, 0], [v, v, 1]] there, with t = −c / sqrt(L² − c²) and v = −c / sqrt(L² − 2c²).
+    Its singular values are 1 − t, least for c < 0, and those of [[1 + t, 0], [√2 v, 1]].
+    """
+
+    def least(c):
+        t, v = -c / np.sqrt(LEG**2 - c**2), -c / np.sqrt(LEG**2 - 2 * c**2)
+        return np.linalg.svd([[1 + t, 0], [np.sqrt(2) * v, 1]], compute_uv=False)[-1]
+
+    edge = LEG / np.sqrt(5) + brentq(lambda c: least(c) - 0.5, 0.0, 0.6 * LEG, xtol=1e-15)
+    found = evaluate(machine_of(transmission()), Setting(np.full(2, 0.2), 10)).joint
+    assert found.scale * 0.2 == pytest.approx(edge, abs=1e-9)
+    assert found.cuboid.size == pytest.approx([edge] * 2, abs=1e-9)
+    assert found.grid_scale == 1.2
 
 
 def test_of_clusters_that_tie_on_the_grid_each_one_is_polished():
