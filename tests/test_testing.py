@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pytest
 
-from orthospec.errors import NoEnclosure, PluginFault
+from orthospec.errors import NoEnclosure
 from orthospec.manipulators import Manipulator, Skeleton
 from orthospec.manipulators.linear_delta import LinearDelta
 from orthospec.manipulators.orthoglide import Orthoglide
@@ -225,6 +225,23 @@ class Wrong:
         def missing(self, what: str) -> tuple[str, ...]:
             return ("mass",) if what == "compliance" else ()
 
+    class Promising(Slider):
+        """An index that it never gives."""
+
+        index_units: ClassVar[Mapping[str, str]] = {**Slider.index_units, "reserve": "1"}
+
+    class Open(Slider):
+        """A margin that it does not enclose."""
+
+        def reach_enclosure(self, boxes: Any) -> Any:
+            return dict(list(super().reach_enclosure(boxes).items())[1:])
+
+    class Absent(Slider):
+        """What it misses cannot be asked."""
+
+        def missing(self, what: str) -> tuple[str, ...]:
+            raise KeyError(what)
+
     class Soft(Slider):
         """A compliance that is not symmetric."""
 
@@ -354,6 +371,9 @@ MACHINES = {
     "Yielding": r"compliance gives [^g]* alone and",
     "Careless": "inverse_jacobian changes the poses",
     "Metres": "twice as large, it reaches otherwise",
+    "Promising": "indices gave no 'reserve', which index_units names",
+    "Open": "reach_enclosure gave no '.*', which reach has",
+    "Absent": r"raised KeyError: '.*' \(test_testing.py:\d+\): raise nothing",
     "Unit": "indices gave 'extra', of which index_units knows no unit",
     "Drawn": "1 names|2 names",
     "Hollow": r"skeleton's 'leg_1' has the radius -0\.01",
@@ -391,7 +411,7 @@ def test_the_machine_that_the_faults_are_planted_in_conforms() -> None:
 def test_a_fault_of_a_machine_is_caught(fault: str) -> None:
     machine = getattr(Wrong, fault)
     machine.__qualname__ = f"Wrong.{fault}"
-    with pytest.raises((Nonconformity, PluginFault), match=MACHINES[fault]):
+    with pytest.raises(Nonconformity, match=MACHINES[fault]):
         check_manipulator(machine(), REGION)
 
 
@@ -503,6 +523,55 @@ class WrongMeasure:
             known = manipulator.inverse_kinematics(poses)[1].all()
             return np.where(known, super().values(manipulator, poses), np.nan)
 
+    class Dividing(Height):
+        """Raises at one pose alone."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            if len(poses) == 1:
+                raise ZeroDivisionError("no number")
+            return super().values(manipulator, poses)
+
+    class Boxless(Height):
+        """Raises over boxes."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            if not isinstance(poses, np.ndarray):
+                raise ZeroDivisionError("no number")
+            return super().values(manipulator, poses)
+
+    class Ending(Height):
+        """Ends the program."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:  # noqa: ARG002
+            raise SystemExit(7)
+
+    class Masked(Height):
+        """Masks some values."""
+
+        def values(self, manipulator: Any, poses: Any) -> Any:
+            return np.ma.masked_greater(super().values(manipulator, poses), 1.2)
+
+    class Formless(Height):
+        """Gives something else for a form."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            return 5
+
+    class Short(Height):
+        """A form for one pose only."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            return greatest_entry(np.log(self.values(manipulator, poses))[:1, None])
+
+    class Holding(Height):
+        """A form whose constraints raise."""
+
+        def form(self, manipulator: Any, poses: Any, side: str) -> Any:  # noqa: ARG002
+            def holds(*_: Any) -> Any:
+                raise ValueError("no such thing")
+
+            return ConvexForm(np.log(self.values(manipulator, poses))[:, None], holds)
+
     class Unformed(Height):
         """Has no form out of reach."""
 
@@ -547,9 +616,16 @@ MEASURES_WITH_FAULTS = {
     "Elsewhere": "the value leaves its enclosure",
     "Certain": "the value leaves its enclosure",
     "Choosy": "the value leaves its enclosure",
-    "Outside": r"values raised ValueError: too far; at \(.*\), out of reach",
+    "Dividing": r"values at \(.*\), in reach, raised ZeroDivisionError: no number: give NaN",
+    "Boxless": "enclosure over 40 boxes raised ZeroDivisionError: no number: give None",
+    "Ending": r"values for a block of \d+ poses raised SystemExit: 7",
+    "Masked": "values gave MaskedArray",
+    "Formless": "the form of at_most is int: give ConvexForm",
+    "Short": r"inside of the form of at_most has the shape \(1, 1\): \(\d+, ...\) is owed",
+    "Holding": "holds of the form of at_most for the bound .* raised ValueError: no such thing: give cvxpy",
+    "Outside": r"values at \(.*\), out of reach, raised ValueError: too far",
     "Spreading": r"in a block with poses out of reach",
-    "Unformed": r"form of at_most raised ValueError: too far; at \(.*\), out of reach",
+    "Unformed": r"form of at_most at \(.*\), out of reach, raised ValueError: too far",
     "Blank": r"inside of the form of at_most is not finite at \(.*\), where the value is",
     "Lenient": "the form of at_most needs a slack of",
     "Absolute": "the form of at_most needs a slack of",

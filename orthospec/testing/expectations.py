@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import pickle
-from typing import TYPE_CHECKING, Any
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from orthospec.errors import RAISED, OrthospecError, PluginFault
 from orthospec.quantities.units import UnitError, parse_unit
 from orthospec.show.keys import keys_of
 
@@ -14,6 +19,9 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
     from orthospec.arrays import Array, Flags, Poses
+
+
+Given = TypeVar("Given")
 
 
 class Nonconformity(AssertionError):
@@ -24,6 +32,35 @@ def expect(holds: Any, who: object, said: str, way_out: str) -> None:
     """Raise `Nonconformity` where something does not hold."""
     if not holds:
         raise Nonconformity(f"{type(who).__name__}: {said}: {way_out}")
+
+
+def asked(who: object, said: str, work: Callable[[], Given], way_out: str) -> Given:
+    """What a plugin gives for ``work``; raises `Nonconformity` where it raises anything but on purpose."""
+    try:
+        return work()
+    except OrthospecError:
+        raise
+    except RAISED as error:
+        told = f"{said} raised {type(error).__name__}: {error}"
+        raise Nonconformity(f"{type(who).__name__}: {told}: {way_out}") from error
+
+
+@contextmanager
+def faults_told(who: object) -> Iterator[None]:
+    """Whatever a plugin raises meanwhile, and its faults that a run would tell, as `Nonconformity`."""
+    try:
+        yield
+    except PluginFault as fault:
+        raise Nonconformity(
+            f"{fault.plugin}: {fault.what}: a run tells this as the plugin's fault"
+        ) from fault
+    except (OrthospecError, Nonconformity):
+        raise
+    except RAISED as error:
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        at_line = f"{Path(last.filename).name}:{last.lineno}"
+        told = f"raised {type(error).__name__}: {error} ({at_line})"
+        raise Nonconformity(f"{type(who).__name__}: {told}: raise nothing") from error
 
 
 def where(poses: Poses, wrong: Flags) -> str:

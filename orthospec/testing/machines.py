@@ -10,7 +10,15 @@ from orthospec.errors import NoEnclosure
 from orthospec.manipulators import Manipulator
 from orthospec.mechanics import inertia
 from orthospec.show.keys import keys_of
-from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
+from orthospec.testing.expectations import (
+    at,
+    documented,
+    expect,
+    faults_told,
+    is_unit,
+    survives,
+    where,
+)
 from orthospec.testing.fields import apart, fields_of, offers
 from orthospec.testing.sampling import (
     CLOSE,
@@ -40,7 +48,8 @@ def check_manipulator(machine: Manipulator, region: tuple[Any, Any] | None = Non
 
     ``region``, least and greatest coordinates, is where to try; a box around the reach is found if left out.
     """
-    MachineUnderTest(machine, tried_in(machine, region)).check()
+    with faults_told(machine):
+        MachineUnderTest(machine, tried_in(machine, region)).check()
 
 
 class MachineUnderTest:

@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from orthospec.errors import NoEnclosure, OrthospecError
+from orthospec.errors import NoEnclosure
 from orthospec.intervals import as_interval
 from orthospec.manipulators import Manipulator
-from orthospec.measures import Measure
+from orthospec.measures import ConvexForm, Measure
 from orthospec.measures.demand import bounded_side
-from orthospec.testing.expectations import at, documented, expect, is_unit, survives, where
+from orthospec.testing.expectations import (
+    asked,
+    at,
+    documented,
+    expect,
+    faults_told,
+    is_unit,
+    survives,
+    where,
+)
 from orthospec.testing.fields import apart
 from orthospec.testing.machines import MachineUnderTest
 from orthospec.testing.sampling import (
@@ -35,7 +44,6 @@ from orthospec.workspace.cuboid import Cuboid
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Poses
-    from orthospec.measures import ConvexForm
 
 
 def check_measure(measure: Measure, machine: Manipulator, region: tuple[Any, Any] | None = None) -> None:
@@ -43,7 +51,11 @@ def check_measure(measure: Measure, machine: Manipulator, region: tuple[Any, Any
 
     ``region``, least and greatest coordinates, is where to try; a box around the reach is found if left out.
     """
-    _Measure(measure, machine, tried_in(machine, region)).check()
+    with faults_told(measure):
+        _Measure(measure, machine, tried_in(machine, region)).check()
+
+
+NAN = "give NaN where there is no value, in reach or out of it"
 
 
 class _Measure:
@@ -67,7 +79,7 @@ class _Measure:
         self.units()
         self.enclosure()
         for side in sorted(self.measure.sides):
-            form = self.measure.form(self.machine, self.poses, side)
+            form = self.form_at(side, self.poses)
             if form is not None:
                 self.form(form, side)
 
@@ -92,11 +104,12 @@ class _Measure:
     def values(self) -> None:
         """Shapes, order, and the same for each pose in any company."""
         measure, poses, before = self.measure, self.poses, self.poses.copy()
-        together, given = measure.values(self.machine, poses), before.copy()
-        again = measure.values(self.machine, given)
+        together, given = self.values_at(poses), before.copy()
+        again = self.values_at(given)
         n = len(poses)
         expect(
             isinstance(together, np.ndarray)
+            and not isinstance(together, np.ma.MaskedArray)
             and together.shape in {(n,), (n, 2)}
             and together.dtype.kind == "f",
             measure,
@@ -118,7 +131,14 @@ class _Measure:
             "what is infinite is inf; what cannot be computed is for poses out of reach",
         )
         for k in range(0, n, max(n // SINGLES, 1)):
-            alone = measure.values(self.machine, poses[k : k + 1].copy())[0]
+            alone = self.values_at(poses[k : k + 1].copy())
+            expect(
+                np.shape(alone) == (1, *together.shape[1:]),
+                measure,
+                f"values gave the shape {np.shape(alone)} for one pose alone {at(poses[k])}",
+                f"{(1, *together.shape[1:])} is owed, as for a block",
+            )
+            alone = alone[0]
             if found := apart(alone, together, k):
                 said = f"values gives {found[0]} alone and {found[1]} in a block {at(poses[k])}"
                 expect(False, measure, said, "each pose on its own row")
@@ -140,12 +160,13 @@ class _Measure:
 
     def outside(self) -> None:
         """Values and forms are computed out of reach too, NaN or not, and change none within it."""
-        asked: dict[str, Callable[[Poses], Any]] = {"values": partial(self.measure.values, self.machine)}
+        fields: dict[str, Callable[[Poses], Any]] = {"values": self.values_at}
         for side in sorted(self.measure.sides):
-            asked[f"form of {side}"] = partial(self.inside_of_form, side)
+            fields[f"form of {side}"] = partial(self.inside_of_form, side)
         beyond = self.beyond()
-        for name, ask in asked.items() if len(beyond) else ():
-            self.raises_nowhere(name, ask, beyond)
+        for name, ask in fields.items() if len(beyond) else ():
+            for k in range(len(beyond)):
+                ask(beyond[k : k + 1])
             alone, mixed = ask(self.poses), ask(read_only(np.concatenate([self.poses, beyond])))
             for k in range(len(self.poses) if alone is not None else 0):
                 if found := apart(mixed[k], alone, k):
@@ -155,9 +176,41 @@ class _Measure:
                     )
                     expect(False, self.measure, said, "each pose on its own row")
 
+    def told(self, poses: Poses) -> str:
+        """Which poses, in words."""
+        if len(poses) > 1:
+            return f"for a block of {len(poses)} poses"
+        reachable = self.machine.inverse_kinematics(poses)[1][0]
+        return f"{at(poses[0])}, {'in' if reachable else 'out of'} reach,"
+
+    def values_at(self, poses: Poses) -> Array:
+        """The values at the poses."""
+        ask = partial(self.measure.values, self.machine, poses)
+        return asked(self.measure, f"values {self.told(poses)}", ask, NAN)
+
+    def form_at(self, side: str, poses: Poses) -> ConvexForm | None:
+        """The form of a side at the poses, its inside with a row for each."""
+        ask = partial(self.measure.form, self.machine, poses, side)
+        form = asked(self.measure, f"the form of {side} {self.told(poses)}", ask, NAN)
+        if form is None:
+            return None
+        expect(
+            isinstance(form, ConvexForm),
+            self.measure,
+            f"the form of {side} is {type(form).__name__}",
+            "give ConvexForm(inside, holds), or None where there is none",
+        )
+        expect(
+            isinstance(form.inside, np.ndarray) and form.inside.shape[:1] == (len(poses),),
+            self.measure,
+            f"inside of the form of {side} has the shape {np.shape(form.inside)}",
+            f"({len(poses)}, ...) is owed",
+        )
+        return form
+
     def inside_of_form(self, side: str, poses: Poses) -> Array | None:
         """What the form of a side linearises."""
-        form = self.measure.form(self.machine, poses, side)
+        form = self.form_at(side, poses)
         return None if form is None else form.inside
 
     def beyond(self) -> Poses:
@@ -167,18 +220,6 @@ class _Measure:
         poses = np.concatenate([self.of_machine.poses, wide])
         return read_only(poses[~self.machine.inverse_kinematics(read_only(poses))[1]])
 
-    def raises_nowhere(self, name: str, ask: Callable[[Poses], Any], poses: Poses) -> None:
-        """Neither at a pose alone nor in a block."""
-        for some in (*(poses[k : k + 1] for k in range(len(poses))), poses):
-            try:
-                ask(some)
-            except OrthospecError:
-                raise
-            except Exception as error:
-                place = at(some[0]) if len(some) == 1 else "for a block of poses"
-                said = f"{name} raised {type(error).__name__}: {error}; {place}, out of reach"
-                expect(False, self.measure, said, "give NaN where there is no value")
-
     def frame(self) -> None:
         """In turned axes the same machine has the same values, unless the measure is given a direction."""
         named = [value for value in self.measure.model_dump().values() if isinstance(value, list | tuple)]
@@ -186,7 +227,7 @@ class _Measure:
             return
         axes, _ = np.linalg.qr(np.random.default_rng(4).standard_normal((3, 3)))
         turn = axes * np.sign(np.linalg.det(axes))
-        here = self.measure.values(self.machine, self.poses)
+        here = self.values_at(self.poses)
         there = seen(self.measure, turned(self.machine, turn), self.poses @ turn.T)
         if there is None:
             return
@@ -205,7 +246,7 @@ class _Measure:
         With angles among joints or pose coordinates a norm mixes them with lengths: then not for those.
         """
         angles = {*self.machine.axes} - {"x", "y", "z"} or {*self.machine.joint_units} - {"m"}
-        here = self.measure.values(self.machine, self.poses)
+        here = self.values_at(self.poses)
         for kind in ("mass", "time") if angles else ("length", "mass", "time"):
             for units in (Units(**{kind: factor}) for factor in (LARGER, 1 / LARGER)):
                 measure = retold(self.measure, units)
@@ -230,7 +271,12 @@ class _Measure:
         """Values at poses of a box lie within what is told of the whole box."""
         for several in boxes(self.of_machine.box, self.of_machine.axes, around=self.poses):
             try:
-                enclosed = self.measure.enclosure(self.machine, several)
+                enclosed = asked(
+                    self.measure,
+                    f"enclosure over {len(several)} boxes",
+                    partial(self.measure.enclosure, self.machine, several),
+                    "give None, or raise NoEnclosure, where nothing is known of boxes",
+                )
             except NoEnclosure:
                 continue  # Allowed: then nothing is proved of these.
             if enclosed is None:
@@ -238,7 +284,7 @@ class _Measure:
             enclosed = as_interval(enclosed)
             for k in range(INSIDE):
                 poses = within(several, k)
-                values = self.measure.values(self.machine, poses)
+                values = self.values_at(poses)
                 expect(
                     enclosed.lo.shape == values.shape,
                     self.measure,
@@ -257,13 +303,7 @@ class _Measure:
 
     def form(self, form: ConvexForm, side: str) -> None:
         """The bound holds without slack where the values meet it, and nowhere else."""
-        values, n = bounded_side(self.measure.values(self.machine, self.poses), side), len(self.poses)
-        expect(
-            len(form.inside) == n,
-            self.measure,
-            f"inside of the form of {side} has the shape {np.shape(form.inside)}",
-            f"({n}, ...) is owed",
-        )
+        values, n = bounded_side(self.values_at(self.poses), side), len(self.poses)
         sound = np.isfinite(values) & (values > 0)
         wrong = np.asarray(sound & ~np.isfinite(form.inside).reshape(n, -1).all(axis=1))
         expect(
@@ -276,7 +316,12 @@ class _Measure:
             for factor in (0.8, 0.95, 1.05, 1.25):
                 bound = factor * float(values[k])
                 met = factor > 1 if side == "at_most" else factor < 1
-                slack = least_slack(form, k, bound)
+                slack = asked(
+                    self.measure,
+                    f"holds of the form of {side} for the bound {bound:.6g} {at(self.poses[k])}",
+                    partial(least_slack, form, k, bound),
+                    "give cvxpy constraints that are convex in X, bound and slack",
+                )
                 needed = abs(np.log(factor))
                 holds = slack <= 1e-6 if met else 0.3 * needed < slack < 3 * needed + 1e-6
                 expect(
