@@ -253,7 +253,7 @@ def sections() -> dict[str, Problem]:
             "w, goal: 3e-4",
             "w: {min: 1e-4, max: 5e-3}",
             f"{GIVEN}, {TUBE}, actuators: {{stiffness: 1e8}}",
-            "y: {use: deflection, force: 100, at_most: 5e-6}",
+            "bend: {use: deflection, force: 100, at_most: 5e-6}",
         ),
         "square feet": least(
             optima.square_foot(A, L, mpf("0.1"), stiffness),
