@@ -106,6 +106,12 @@ def test_too_many_combinations_are_screened_and_the_result_says_how_many(spec_of
     assert "Of 3 combinations the 2 best on a coarse grid." in text
 
 
+def test_progress_says_which_combination_is_searched(spec_of):
+    told = set()
+    hunt_branches(spec_of(FLAT), Here(), lambda what, *_: told.add(what.partition(": ")[0]))
+    assert {f"combination {k} of 3" for k in (1, 2, 3)} <= told
+
+
 def test_more_combinations_than_can_be_tried_are_refused(spec_of, monkeypatch):
     monkeypatch.setattr(branch, "MOST_SCREENED", 2)
     with pytest.raises(UsageError, match="3 combinations; at most 2"):

@@ -19,7 +19,7 @@ from orthospec.optimise.hunt import Hunt, hunt
 from orthospec.optimise.meet import LOWER, SLACK, Lowering, Met, gaps_at
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Task
-from orthospec.optimise.workers import Workers, in_order
+from orthospec.optimise.workers import Workers, in_order, labelled
 from orthospec.result import Branch
 from orthospec.spec import Spec
 from orthospec.workspace.field import Progress
@@ -87,9 +87,10 @@ def hunt_branches(spec: Spec, workers: Workers, progress: Progress | None = None
     """Search each branch; stopped by Ctrl-C it gives back what it has."""
     choices, combinations = choices_of([spec], workers, progress)
     hunts = []
-    for choice in choices:
-        space = DesignSpace(spec.chosen(choice))
-        hunts.append((space, hunt(space, workers, progress)))
+    for number, choice in enumerate(choices, start=1):
+        space, several = DesignSpace(spec.chosen(choice)), len(choices) > 1
+        label = f"combination {number} of {len(choices)}"
+        hunts.append((space, hunt(space, workers, labelled(progress, label) if several else progress)))
         if hunts[-1][1].interrupted:
             break
     return Branches(combinations, tuple(hunts))

@@ -231,6 +231,13 @@ def hired(jobs: int = 1, on: str | None = None) -> Iterator[Workers]:
         workers.close()
 
 
+def labelled(progress: Progress | None, label: str) -> Progress | None:
+    """Progress that says what it is a part of."""
+    if progress is None:
+        return None
+    return lambda what, done, total: progress(f"{label}: {what}", done, total)
+
+
 def counted(
     workers: Workers,
     task: Task[Given, Made],
@@ -239,12 +246,19 @@ def counted(
     progress: Progress | None = None,
 ) -> Iterator[tuple[int, Made]]:
     """Each item's number and what was made of it, as they are completed; tells how many are."""
-    if progress is not None:
-        progress(task.name, 0, len(items))
-    for done, (number, made) in enumerate(workers.each(task, space, items, progress), start=1):
+    if progress is None:
+        yield from workers.each(task, space, items)
+        return
+    done = 0
+
+    def within(what: str, part: int, whole: int) -> None:
+        progress(f"{task.name}, {done + 1} of {len(items)}: {what}", part, whole)
+
+    progress(task.name, 0, len(items))
+    for number, made in workers.each(task, space, items, within if len(items) > 1 else progress):
         yield number, made
-        if progress is not None:
-            progress(task.name, done, len(items))
+        done += 1
+        progress(task.name, done, len(items))
 
 
 def in_order(
