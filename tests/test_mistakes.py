@@ -48,6 +48,11 @@ def mistakes(spec: str, folder: Path, *overrides: str) -> list[str]:
 
 CHANGES = {
     "a misspelt section": ("goals:", "gaols:", ["17:1: unknown key 'gaols'; did you mean 'goals'?"]),
+    "a comma in a number": (
+        "base: {min: 1.0, max: 3.0",
+        "base: {min: 1,000 mm, max: 3.0",
+        ["4:17: unknown key '000 mm'; a comma ends an entry: write 1000, and 600.5"],
+    ),
     "a misspelt key": ("divisions", "divsions", ["11:3: unknown key 'divsions'; did you mean 'divisions'?"]),
     "a misspelt bound": (
         "at_least: 0.5", "at_lest: 0.5", ["15:5: unknown key 'at_lest'; did you mean 'at_least'?"],

@@ -47,6 +47,8 @@ def problems(
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """The end of a sentence about an unknown name: the closest known one, or all of them."""
+    if str(name)[:1].isdigit():  # The rest of 1,000 mm or 600,5 mm.
+        return "; a comma ends an entry: write 1000, and 600.5"
     known = list(known)
     close = difflib.get_close_matches(str(name), known, n=1)
     if close:
