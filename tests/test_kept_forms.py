@@ -5,12 +5,15 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from orthospec.optimise.cache import Cache
+from orthospec.optimise.kept_forms import code_of
 from orthospec.optimise.space import DesignSpace
 from orthospec.spec import Spec
 from orthospec.workspace import forms
@@ -61,22 +64,49 @@ def test_what_was_compiled_is_found_again_to_the_last_bit(
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
-def test_other_keys_other_code_or_damage_compile_anew(
+def test_other_code_or_damage_compile_anew(
     spec_of: Callable[..., Spec],
     tmp_path: Path,
     compiled: list[tuple[int, ...]],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     _templates(spec_of(SPEC), tmp_path)
-    _templates(spec_of(SPEC.replace("speed: 1 m/s", "speed: 2 m/s")), tmp_path)
-    assert compiled[3:] == [(3,)]
     for path in tmp_path.rglob("*.json"):
         path.write_text(path.read_text(encoding="utf-8")[:-3], encoding="utf-8")
     _templates(spec_of(SPEC), tmp_path)
-    assert len(compiled) == 7
+    assert len(compiled) == 6
     monkeypatch.setattr("orthospec.optimise.kept_forms.fingerprint", lambda _: "other code")
     _templates(spec_of(SPEC), tmp_path)
-    assert len(compiled) == 10
+    assert len(compiled) == 9
+
+
+def test_other_keys_find_the_form_again_where_only_its_inside_has_them(
+    spec_of: Callable[..., Spec], tmp_path: Path, compiled: list[tuple[int, ...]]
+) -> None:
+    _templates(spec_of(SPEC), tmp_path)
+    _templates(spec_of(SPEC.replace("speed: 1 m/s", "speed: 2 m/s")), tmp_path)
+    assert len(compiled) == 3
+
+
+def _closing_over(value: Any) -> Callable[..., Any]:
+    return lambda x, bound, slack: [x, bound, slack, value]
+
+
+def _of_defaults(x: Any, bound: Any, slack: float = 0.0) -> list[Any]:
+    return [x, bound, slack]
+
+
+def test_functions_are_told_by_their_code_and_plain_values() -> None:
+    one, again, other = (code_of(_closing_over(value)) for value in (1, 1, 2))
+    assert one is not None
+    assert one == again != other
+    inner, same, another = (code_of(_closing_over(_closing_over(value))) for value in (1, 1, 2))
+    assert inner == same != another
+    assert inner != one
+    for own in ([1], np.ones(1), _closing_over([1]), "text".join):
+        assert code_of(_closing_over(own)) is None
+    for method in (_of_defaults, str.upper, "text".upper, partial(_of_defaults, 1)):
+        assert code_of(method) is None
 
 
 def test_a_space_without_a_folder_compiles_once(

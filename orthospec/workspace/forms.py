@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from orthospec.arrays import Array, Poses
 
 
-Keep = Callable[[str, str, tuple[int, ...], Callable[[], Template]], Template]
-"""Gives a measure's form of a side for insides of a shape, as it is known, or else as it is then compiled."""
+Keep = Callable[[str, str, ConvexForm, Callable[[], Template]], Template]
+"""Gives a measure's form of a side, as it is known, or else as it is then compiled."""
 
 
 class Forms:
@@ -45,9 +45,8 @@ class Forms:
                 form = form_of(machine, name, side, pose)
             if form is None:
                 return None
-            shape = form.inside.shape[1:]
             compiled = partial(_compiled, demand, form)
-            made = self._keep(name, side, shape, compiled) if self._keep is not None else compiled()
+            made = self._keep(name, side, form, compiled) if self._keep is not None else compiled()
             self._templates[name, side] = made
         return self._templates[name, side]
 
