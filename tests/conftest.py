@@ -6,6 +6,7 @@ import hashlib
 import os
 import pickle
 import shutil
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -152,3 +153,11 @@ def _stretch(inverse_jacobian: mpmath.matrix) -> mpmath.matrix:
     """−½ ln(J⁻ᵀJ⁻¹)."""
     eigenvalues, vectors = mpmath.eigsy(inverse_jacobian.T * inverse_jacobian)
     return vectors * mpmath.diag([-mpmath.log(e) / 2 for e in eigenvalues]) * vectors.T
+
+
+@pytest.fixture
+def hears_ctrl_c() -> Iterator[None]:
+    """Ctrl-C raises KeyboardInterrupt: a process begun in the background by a shell may ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

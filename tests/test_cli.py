@@ -221,6 +221,7 @@ def test_ctrl_c_while_a_page_is_made_leaves_the_rest_of_the_result(
     ]
 
 
+@pytest.mark.usefixtures("hears_ctrl_c")
 def test_ctrl_c_while_the_folder_is_written_waits_until_it_is(
     spec: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

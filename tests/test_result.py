@@ -287,6 +287,7 @@ def test_what_stops_it_between_the_two_renames_leaves_the_old_result(
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+@pytest.mark.usefixtures("hears_ctrl_c")
 def test_ctrl_c_between_the_two_renames_waits_until_both_are_done(
     spec: Spec, finding: Finding, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -310,7 +310,7 @@ def test_whatever_is_wrong_is_told_with_a_place_or_runs(tmp_path: Path, changes:
             if value == "DELETE":
                 del here[last]
             else:
-                here[last] = value
+                here[last] = copy.deepcopy(value)
         except (KeyError, IndexError, TypeError):
             continue
     path = tmp_path / "spec.yaml"
