@@ -1,4 +1,4 @@
-"""Ctrl-C made to wait for what may not be cut in half."""
+"""Ctrl-C made to wait for what may not be cut in half, and a request to end taken for it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,18 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+
+def end_as_by_ctrl_c() -> None:
+    """Let SIGTERM, by which batch systems and ``timeout`` ask for the end, do what Ctrl-C does."""
+
+    def asked(*_: object) -> None:
+        if callable(signal.getsignal(signal.SIGINT)):
+            signal.raise_signal(signal.SIGINT)
+        else:  # Ctrl-C is ignored, as in what a shell has in the background.
+            raise KeyboardInterrupt
+
+    signal.signal(signal.SIGTERM, asked)
 
 
 @contextmanager

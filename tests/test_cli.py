@@ -475,19 +475,27 @@ def test_letters_that_the_terminal_lacks_are_no_error() -> None:
 TALKATIVE = f"""
 import signal
 from orthospec.show import progress
-signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGINT, signal.HANDLER)
 progress.PLAIN = 0.0
 {MAIN}
 """
 
 
-def test_ctrl_c_keeps_what_was_found(spec: Path) -> None:
+@pytest.mark.parametrize(
+    ("number", "handler"),
+    [
+        (signal.SIGINT, "default_int_handler"),
+        (signal.SIGTERM, "default_int_handler"),
+        (signal.SIGTERM, "SIG_IGN"),
+    ],
+)
+def test_a_request_to_end_keeps_what_was_found(spec: Path, number: signal.Signals, handler: str) -> None:
     spec.write_text(SPEC.replace("starts: 1", "starts: 2000"))
-    command = [sys.executable, "-P", "-c", TALKATIVE, "run", spec.name]
+    command = [sys.executable, "-P", "-c", TALKATIVE.replace("HANDLER", handler), "run", spec.name]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         assert "designs on the coarse grid" in process.stderr.readline()
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         out, error = process.communicate(timeout=60)
     assert process.returncode == 4, error
     assert "Stopped before the end" in out

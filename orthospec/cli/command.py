@@ -13,6 +13,7 @@ from typing import Annotated, Any, ParamSpec, TextIO
 import typer
 
 from orthospec.guard import exit_code
+from orthospec.interrupts import end_as_by_ctrl_c
 from orthospec.threads import one_blas_thread
 
 WIDEST = 100
@@ -35,6 +36,7 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     one_blas_thread()
+    end_as_by_ctrl_c()
     app()
 
 
