@@ -153,6 +153,15 @@ def at(x, k, u):
     return Fraction(x.form.c[k]) + sum(Fraction(g) * Fraction(t) for g, t in zip(slopes, u, strict=True))
 
 
+def test_what_has_no_coordinates_is_as_narrow_as_it_was():
+    """By ends alone, by a form over no coordinates, and by numbers: no row is written that is not there."""
+    lo, hi = np.zeros((2, 3)), np.ones((2, 3))
+    for x in ((lo, hi), (lo, hi, lo, np.zeros((2, 3, 0)), hi), (lo,)):
+        room = np.full((3, 2, 3), 7.0)
+        _kernels.narrow_intervals(x, room[:2])
+        np.testing.assert_array_equal(room, [lo, hi if len(x) > 1 else lo, np.full((2, 3), 7.0)])
+
+
 def test_rounding_is_that_of_rounding_py():
     """Of sums and products without any width, at the least that each constant adds."""
     one = Interval(np.ones(1), np.ones(1).copy())
