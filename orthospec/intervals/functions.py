@@ -153,7 +153,7 @@ def _outer(a: Any, b: Any) -> Any:
 
 def chosen(first: Any, second: Any, a: Interval, b: Interval, otherwise: Ends) -> Interval:
     """a where ``first`` holds, b where ``second`` does, elsewhere an interval."""
-    d = a.coordinates or b.coordinates
+    d = fused.coordinates(a, b)
     form = None
     if d:
         other = linear.flat(otherwise, d)

@@ -15,6 +15,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from orthospec.intervals import linear
 from orthospec.intervals.linear import Linear
 from orthospec.intervals.refusal import refuse
+from orthospec.kernels.floats import numbers
 from orthospec.kernels.intervals import narrow_intervals
 
 if TYPE_CHECKING:
@@ -275,8 +276,8 @@ def as_interval(x: Any) -> Interval:
 def known_of(x: Interval) -> tuple[Array, ...]:
     """What is known of an interval, as the kernels take it."""
     if x.is_exact:
-        return (_numbers(x.lo),)
-    return tuple(map(_numbers, (x.lo, x.hi, *(x.form or ()))))
+        return (numbers(x.lo),)
+    return tuple(map(numbers, (x.lo, x.hi, *(x.form or ()))))
 
 
 def of_rows(rows: Array) -> Interval:
@@ -286,12 +287,6 @@ def of_rows(rows: Array) -> Interval:
         return Interval(lo, hi)
     slopes = rows[4:].transpose((*range(1, rows.ndim), 0))
     return Interval(lo, hi, Linear(rows[2, ...], slopes, rows[3, ...]))
-
-
-def _numbers(part: Array) -> Array:
-    """As the kernels read them."""
-    numbers = np.asarray(part, dtype=float)
-    return numbers if numbers.flags.aligned else numbers.copy()
 
 
 def _own(form: Linear) -> Linear:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orthospec.kernels import _kernels
+from orthospec.kernels.floats import numbers
 from orthospec.kernels.largest_cubes import Within, cube_ends, largest_cube
 
 if TYPE_CHECKING:
@@ -144,7 +145,7 @@ def positive_solve(matrices: Matrices, right: Array) -> tuple[Array, Flags]:
     ``right`` is b, vectors (n, m) or columns (n, m, k), and x has its shape. The lower triangles are read, m
     of 1 to 6. What is safe is told as for `positive_inverse`, by A alone; elsewhere x is NaN.
     """
-    matrices, right = _square(matrices), _numbers(right)
+    matrices, right = _square(matrices), numbers(right)
     if right.ndim not in (2, 3):
         raise ValueError(f"right has the shape {right.shape}: expected (n, m) or (n, m, k)")
     columns = right[:, :, None] if right.ndim == 2 else right
@@ -160,7 +161,7 @@ def row_norms(matrices: Array) -> Array:
     """
     if not isinstance(matrices, np.ndarray):  # Intervals, which take part in NumPy's functions.
         return np.linalg.norm(matrices, axis=2)
-    matrices = _numbers(matrices)
+    matrices = numbers(matrices)
     if matrices.ndim != 3:
         raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, r, c)")
     if abs(matrices.strides[0]) < abs(matrices.strides[1]):  # The norms lie as the rows do, as in NumPy.
@@ -200,14 +201,8 @@ def instruction_set() -> str:
     return _kernels.instruction_sets()[0]
 
 
-def _numbers(array: Array) -> Array:
-    """As float64, in whatever order they lie, but each at an address of a float64."""
-    numbers = np.asarray(array, dtype=np.float64)
-    return numbers if numbers.flags.aligned else numbers.copy()
-
-
 def _square(matrices: Matrices) -> Matrices:
-    matrices = _numbers(matrices)
+    matrices = numbers(matrices)
     if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
         raise ValueError(f"matrices has the shape {matrices.shape}: expected (n, m, m)")
     return matrices
