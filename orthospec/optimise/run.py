@@ -41,6 +41,7 @@ from orthospec.workspace.field import fields
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array
+    from orthospec.workspace.cuboid import Cuboid
     from orthospec.workspace.field import Progress
 
 REFITS = 5
@@ -186,15 +187,14 @@ def _measured(
     for left in reversed(range(REFITS + 1)):
         design = space.design(best.end.design) if best else spec.design(spec.default_values())
         prescribed = best.end.cuboids(space) if best else None
-        quick = asked_of_found(space, design, min(spec.workspace.divisions, COARSE), prescribed)
         if stopped:
-            return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
+            return _Ending(best, design, *_quickly(space, design, prescribed), stopped=True)
         one = asked_of_found(space, design, spec.workspace.divisions, prescribed)
         try:
             evaluation, known = clock.time("evaluate", partial(appraised, workers, space, one, progress))
             known = replace(known, notes=coarser_notes(space, one))
         except KeyboardInterrupt:
-            return _Ending(best, design, *appraised(Here(), space, quick), stopped=True)
+            return _Ending(best, design, *_quickly(space, design, prescribed), stopped=True)
         if prove is None:
             break
         try:
@@ -211,6 +211,14 @@ def _measured(
         except KeyboardInterrupt:
             return _Ending(best, design, evaluation, known, stopped=True)
     return _Ending(best, design, evaluation, known, stopped=False)
+
+
+def _quickly(
+    space: DesignSpace, design: Design, prescribed: Mapping[str, Cuboid] | None
+) -> tuple[Evaluation, Appraisal]:
+    """A design measured on a coarse grid, here, where a run is stopped."""
+    divisions = min(space.spec.workspace.divisions, COARSE)
+    return appraised(Here(), space, asked_of_found(space, design, divisions, prescribed))
 
 
 def with_proof(
