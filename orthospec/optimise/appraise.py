@@ -14,7 +14,7 @@ from orthospec.optimise.grid_parts import GridStates
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Workers, in_order
-from orthospec.result import PluginError
+from orthospec.result import Note, PluginError
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value, evaluate
 from orthospec.workspace.grid import fitting_divisions
@@ -44,7 +44,7 @@ class Appraisal:
     faults: tuple[PluginError, ...] = ()
     """Measures that failed and were left out."""
     error: OrthospecError | None = None
-    notes: tuple[PluginError, ...] = ()
+    notes: tuple[Note, ...] = ()
     """What was done otherwise than asked for."""
     of_machine: tuple[PluginError, ...] = ()
     """What the machine did not give though its cuboid is in reach."""
@@ -77,7 +77,7 @@ def asked_of_found(
     return asked(design, fitting_divisions(design.manipulator, size, divisions, region), prescribed)
 
 
-def coarser_notes(space: DesignSpace, one: Asked) -> tuple[PluginError, ...]:
+def coarser_notes(space: DesignSpace, one: Asked) -> tuple[Note, ...]:
     """A note of the grid being coarser than the spec has it; none where it is not."""
     divisions = space.spec.workspace.divisions
     if one.divisions == divisions:
@@ -86,7 +86,7 @@ def coarser_notes(space: DesignSpace, one: Asked) -> tuple[PluginError, ...]:
         f"the grid of the design found would be too large with {divisions}: it was measured with"
         f" {one.divisions:.3g}; give a smaller workspace.region for a finer one"
     )
-    return (PluginError("workspace.divisions", space.spec.place(("workspace", "divisions")), said),)
+    return (Note("workspace.divisions", space.spec.place(("workspace", "divisions")), said),)
 
 
 def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -> Appraisal:

@@ -16,7 +16,7 @@ from orthospec.optimise.proofs import proved
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.status import attainment_of, status_of
 from orthospec.optimise.workers import Workers, in_order
-from orthospec.result import Finding, FrontSearch, PluginError, Status
+from orthospec.result import Finding, FrontSearch, Note, PluginError, Status
 from orthospec.spec import Design, Spec
 from orthospec.workspace.evaluate import Prescribed
 
@@ -89,7 +89,7 @@ def sweep_of(
             error = (
                 error_of(point.error)
                 if isinstance(point.error, PluginFault)
-                else PluginError("sweep", spec.place(("sweep",)), str(point.error))
+                else Note("sweep", spec.place(("sweep",)), str(point.error))
             )
             at = f"at {sweep.variable} = {values[sweep.variable]:g}"
             left_out.append(replace(error, message=f"{at}: {error.message}"))

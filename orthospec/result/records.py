@@ -161,6 +161,11 @@ class PluginError:
 
 
 @dataclass(frozen=True)
+class Note(PluginError):
+    """What was done otherwise than asked for, told beside the errors: no plugin failed."""
+
+
+@dataclass(frozen=True)
 class Finding:
     """One design with all that is known of it."""
 
