@@ -35,7 +35,8 @@ def test_a_design_found_is_measured_on_a_coarser_grid_and_told_with_a_note(spec_
     assert outcome.finding.status == "compromise"
     assert content["workspace"]["joint"]["scale"] == pytest.approx(1, abs=1e-6)
     assert sum(content["workspace"]["joint"]["nodes"].values()) < 200_000
-    (note,) = content["errors"]
+    (note,) = content["notes"]
+    assert "errors" not in content
     assert note["place"] == "--set workspace.divisions=30"
     assert "would be too large with 30" in note["message"]
 
@@ -47,7 +48,8 @@ def test_points_of_a_pareto_set_are_measured_on_a_coarser_grid_too(spec_of):
     )
     finding = solve(spec_of(text, "workspace.divisions=30")).finding
     assert len(finding.pareto) >= 2
-    assert {error.name for error in finding.errors} == {"workspace.divisions"}
+    assert {note.about for note in finding.notes} == {"workspace.divisions"}
+    assert finding.errors == ()
 
 
 @pytest.mark.usefixtures("small")

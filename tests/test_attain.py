@@ -380,10 +380,11 @@ class TestEvaluateSpec:
         found = evaluate_spec(spec_of(SHORTEST + sweep)).finding
         assert found.status == "evaluated"
         assert [finding.design.values["leg"] for finding in found.sweep] == pytest.approx([0.1, 0.3])
-        (error,) = found.errors
-        assert error.name == "sweep"
-        assert error.place is not None
-        assert "at leg = -0.1: no machine can be built" in error.message
+        (note,) = found.notes
+        assert found.errors == ()
+        assert note.about == "sweep"
+        assert note.place is not None
+        assert "at leg = -0.1: no machine can be built" in note.message
 
     def test_a_sweep_evaluates_along_its_variable(self, spec_of):
         found = evaluate_spec(

@@ -130,7 +130,17 @@ def test_a_measure_that_is_nan_at_some_poses_in_reach_is_5_where_every_bound_hol
 def test_a_sweep_past_designs_without_a_machine_is_no_fault_of_a_plugin(spec: Path) -> None:
     sweep = "sweep={variable: leg, from: -0.1, to: 0.3, points: 2}"
     _orthospec("evaluate", spec.name, "--set", sweep, "-o", "out")
-    assert "no machine can be built" in read_result(Path("out"))["errors"][0]["message"]
+    assert "no machine can be built" in read_result(Path("out"))["notes"][0]["message"]
+
+
+def test_a_measure_that_is_nan_at_points_of_a_sweep_is_told_with_them(
+    spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(registry, "find_measure", lambda _: Scattered)
+    sweep = "sweep={variable: leg, from: 0.29, to: 0.4, points: 2}"
+    _orthospec("evaluate", spec.name, "--set", sweep, "-o", "out", code=5)
+    messages = [error["message"] for error in read_result(Path("out"))["errors"]]
+    assert any(message.startswith("at leg = 0.4: gave NaN") for message in messages)
 
 
 def test_json_is_all_that_stands_on_standard_output(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:

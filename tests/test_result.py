@@ -24,6 +24,7 @@ from orthospec.result import (
     Finding,
     GoalOutcome,
     Limit,
+    Note,
     PluginError,
     Search,
     compose,
@@ -79,6 +80,7 @@ def _full(spec: Spec, finding: Finding) -> Finding:
         search=Search(8, 4, 3, 3, 12, None),
         sweep=(finding,),
         errors=(PluginError("condition", f"{spec.document.file}:12:3", "raised ValueError: no"),),
+        notes=(Note("sweep", f"{spec.document.file}:30:1", "no machine"),),
     )
 
 
@@ -98,6 +100,7 @@ def test_keys_stand_in_the_order_of_the_contract(spec: Spec, finding: Finding) -
         "search",
         "sweep",
         "errors",
+        "notes",
         "provenance",
     ]
     joint = ["scale", "grid_scale", "ties", "min", "max", "nodes"]
@@ -111,7 +114,7 @@ def test_keys_stand_in_the_order_of_the_contract(spec: Spec, finding: Finding) -
 
 def test_what_has_no_content_is_left_out(spec: Spec, finding: Finding) -> None:
     content = compose(spec, dataclasses.replace(finding, attainment=None))
-    assert not {"attainment", "limits", "search", "sweep", "errors", "pareto"} & set(content)
+    assert not {"attainment", "limits", "search", "sweep", "errors", "notes", "pareto"} & set(content)
     assert set(content["manipulator"]) == {"use", "leg_lengths", "branch", "gravity"}
     assert set(content["provenance"]) == {"orthospec", "spec_sha256"}
 
@@ -132,6 +135,8 @@ def test_each_limit_has_all_its_keys_in_the_order_found_and_minus_zero_is_zero(
 def test_a_place_names_the_file_and_not_its_folder(spec: Spec, finding: Finding) -> None:
     (error,) = compose(spec, _full(spec, finding))["errors"]
     assert error == {"name": "condition", "place": "small.yaml:12:3", "message": "raised ValueError: no"}
+    (note,) = compose(spec, _full(spec, finding))["notes"]
+    assert note == {"name": "sweep", "place": "small.yaml:30:1", "message": "no machine"}
 
 
 def test_numbers_that_are_not_finite_become_null(spec: Spec, finding: Finding) -> None:

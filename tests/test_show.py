@@ -225,11 +225,12 @@ def test_a_cuboid_that_could_not_be_placed_is_told() -> None:
     assert "not every bound holds" in text
 
 
-def test_a_sweep_is_a_table_and_failures_stand_at_the_end(spec: Spec) -> None:
+def test_a_sweep_is_a_table_and_failures_and_notes_stand_at_the_end(spec: Spec) -> None:
     design = {key: CONTENT[key] for key in ("variables", "manipulator", "indices", "joints", "workspace")}
     sweep = [{**design, "variables": {"leg": leg}} for leg in (0.25, 0.31, 0.5)]
     errors = [{"name": "transmission", "place": "spec.yaml:8:3", "message": "gave NaN"}]
-    lines = _text(spec, sweep=sweep, errors=errors).splitlines()
+    notes = [{"name": "sweep", "place": "spec.yaml:20:1", "message": "at leg = 0.01: no machine"}]
+    lines = _text(spec, sweep=sweep, errors=errors, notes=notes).splitlines()
     start = lines.index("Sweep along leg")
     assert lines[start + 1].split() == [
         "leg",
@@ -241,7 +242,13 @@ def test_a_sweep_is_a_table_and_failures_stand_at_the_end(spec: Spec) -> None:
     assert lines[start + 3].split() == ["310", "mm", "yes", "1", "0.5", "2"]
     assert lines[start + 6].split() == ["leg", "transmission", "at", "Q0", "transmission", "at", "far"]
     assert lines[start + 8].split() == ["310", "mm", "0.9", "...", "1.1", "out", "of", "reach"]
-    assert lines[-1] == "  transmission (spec.yaml:8:3): gave NaN"
+    assert lines[-5:] == [
+        "Failures",
+        "  transmission (spec.yaml:8:3): gave NaN",
+        "",
+        "Notes",
+        "  sweep (spec.yaml:20:1): at leg = 0.01: no machine",
+    ]
 
 
 @pytest.mark.parametrize("width", [72, 80, 100])

@@ -304,15 +304,7 @@ def _code_of(found: Study) -> int:
         return STOPPED
     if found.status == "infeasible" or not found.outcome.finding.evaluation.holds:
         return NOT_MET
-    return PLUGIN if _has_failed(found) else DONE
-
-
-def _has_failed(found: Study) -> bool:
-    """Whether a plugin failed anywhere."""
-    from orthospec.result import Note
-
-    errors = found.outcome.finding.errors if found.outcome is not None else ()
-    return not all(isinstance(error, Note) for error in errors)
+    return PLUGIN if found.outcome.finding.errors else DONE
 
 
 def _in_a_line(spec: Spec) -> str:

@@ -57,7 +57,7 @@ class Appraisal:
             PluginError(one.measure, one.place, f"gave NaN at the reachable pose {list(one.pose)}")
             for one in failures
         )
-        return (*self.faults, *nodes, *self.of_machine, *self.notes)
+        return (*self.faults, *nodes, *self.of_machine)
 
 
 def asked(design: Design, divisions: float, prescribed: Mapping[str, Cuboid] | None = None) -> Asked:

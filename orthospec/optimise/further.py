@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -61,39 +61,47 @@ def front_of(
                 evaluation,
                 attainment,
                 kept,
-                errors=known.notes,
+                errors=known.errors,
+                notes=known.notes,
                 is_knee=point.is_knee,
             )
         )
     return tuple(found), front.search
 
 
-def sweep_of(
-    space: DesignSpace, design: Design, workers: Workers, progress: Progress | None
-) -> tuple[tuple[Finding, ...], tuple[PluginError, ...]]:
-    """The design evaluated along one variable, the others as they are; and the points that cannot be.
+class Swept(NamedTuple):
+    """A sweep: the points that can be measured, and what went otherwise at any of them."""
+
+    points: tuple[Finding, ...] = ()
+    errors: tuple[PluginError, ...] = ()
+    notes: tuple[Note, ...] = ()
+
+
+def sweep_of(space: DesignSpace, design: Design, workers: Workers, progress: Progress | None) -> Swept:
+    """The design evaluated along one variable, the others as they are.
 
     A point without a machine, or whose reach cannot be found, must not lose the rest.
     """
     spec, sweep = space.spec, space.spec.sweep
     if sweep is None:
-        return (), ()
+        return Swept()
     line = [
         {**design.values, sweep.variable: float(value)}
         for value in np.linspace(sweep.start, sweep.stop, sweep.points)
     ]
     points = [Asked(tuple(values.values()), spec.workspace.divisions) for values in line]
-    found, left_out = [], []
+    found: list[Finding] = []
+    errors: list[PluginError] = []
+    notes: list[Note] = []
     for values, point in zip(line, in_order(workers, SWEEP, space, points, progress), strict=True):
-        if point.evaluation is None:
-            error = (
-                error_of(point.error)
-                if isinstance(point.error, PluginFault)
-                else Note("sweep", spec.place(("sweep",)), str(point.error))
-            )
-            at = f"at {sweep.variable} = {values[sweep.variable]:g}"
-            left_out.append(replace(error, message=f"{at}: {error.message}"))
-            continue
-        status: Status = "failed" if point.faults else "evaluated"
-        found.append(Finding(status, spec.design(values), point.evaluation, errors=point.errors))
-    return tuple(found), tuple(left_out)
+        at = f"at {sweep.variable} = {values[sweep.variable]:g}"
+        failed = [*point.errors]
+        if isinstance(point.error, PluginFault):
+            failed.append(error_of(point.error))
+        elif point.error is not None:
+            notes.append(Note("sweep", spec.place(("sweep",)), f"{at}: {point.error}"))
+        errors += [replace(error, message=f"{at}: {error.message}") for error in failed]
+        if point.evaluation is not None:
+            status: Status = "failed" if point.faults else "evaluated"
+            found.append(Finding(status, spec.design(values), point.evaluation))
+    return Swept(tuple(found), tuple(errors), tuple(notes))

@@ -18,7 +18,7 @@ from orthospec.optimise.attain import REFIT, Attained, Refuted
 from orthospec.optimise.branch import beside_choices, catalogues, hunt_branches
 from orthospec.optimise.card import find_card
 from orthospec.optimise.explore import COARSE
-from orthospec.optimise.further import front_of, sweep_of
+from orthospec.optimise.further import Swept, front_of, sweep_of
 from orthospec.optimise.limits import find_conflicts, find_limits
 from orthospec.optimise.proofs import proved, refuting_poses
 from orthospec.optimise.slabs import Slabs
@@ -31,7 +31,6 @@ from orthospec.result import (
     Finding,
     FrontSearch,
     Limit,
-    PluginError,
     Search,
     Status,
 )
@@ -88,10 +87,13 @@ def evaluate_spec(
     design = spec.design(spec.default_values() if values is None else values)
     one = asked(design, spec.workspace.divisions)
     evaluation, known = clock.time("evaluate", lambda: appraised(doing, space, one, progress))
-    sweep, left_out = clock.time("sweep", lambda: sweep_of(space, design, doing, progress))
+    sweep = clock.time("sweep", lambda: sweep_of(space, design, doing, progress))
     status: Status = "failed" if known.faults else "evaluated"
     attainment = attainment_of(design, evaluation)
-    finding = Finding(status, design, evaluation, attainment, sweep=sweep, errors=(*known.errors, *left_out))
+    errors = (*known.errors, *sweep.errors)
+    finding = Finding(
+        status, design, evaluation, attainment, sweep=sweep.points, errors=errors, notes=sweep.notes
+    )
     return Outcome(finding, {"seconds": clock.seconds})
 
 
@@ -111,8 +113,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         branches = clock.time("optimise", lambda: hunt_branches(spec, doing, progress))
     except PluginFault as fault:
         outcome = evaluate_spec(spec, progress=progress, workers=doing)
-        errors = (error_of(fault), *outcome.finding.errors)
-        unique = tuple(dict.fromkeys(errors))
+        unique = tuple(dict.fromkeys([error_of(fault), *outcome.finding.errors]))
         return Outcome(replace(outcome.finding, status="failed", errors=unique), outcome.log)
     (space, found), stopped = branches.best, branches.interrupted
     best = found.best
@@ -130,8 +131,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
     card: Card | None = None
     front: tuple[Finding, ...] = ()
     front_search: FrontSearch | None = None
-    sweep: tuple[Finding, ...] = ()
-    left_out: tuple[PluginError, ...] = ()
+    sweep = Swept()
     try:
         limits = clock.time("limits", lambda: _limits(space, best, status, doing, progress))
         if best is not None and not best.feasible and status == "infeasible":
@@ -139,7 +139,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         if spec.pareto is not None and status in ("attained", "compromise"):
             front, front_search = clock.time("pareto", lambda: front_of(spec, doing, progress))
         if not stopped:
-            sweep, left_out = clock.time("sweep", lambda: sweep_of(space, design, doing, progress))
+            sweep = clock.time("sweep", lambda: sweep_of(space, design, doing, progress))
     except KeyboardInterrupt as stop:
         stopped, status = True, "unfinished"
         card = stop.made if isinstance(stop, Stopped) and isinstance(stop.made, Card) else card
@@ -154,9 +154,20 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         front_search if catalogues(spec) else None,
         best.taken if best is not None else (),
     )
-    of_points = [error for point in front for error in point.errors]
-    errors = tuple(dict.fromkeys([*known.errors, *left_out, *of_points]))
-    finding = Finding(status, design, evaluation, attainment, limits, search, sweep, errors, front)
+    errors = [*known.errors, *sweep.errors, *(error for point in front for error in point.errors)]
+    notes = [*known.notes, *sweep.notes, *(note for point in front for note in point.notes)]
+    finding = Finding(
+        status,
+        design,
+        evaluation,
+        attainment,
+        limits,
+        search,
+        sweep.points,
+        tuple(dict.fromkeys(errors)),
+        tuple(dict.fromkeys(notes)),
+        front,
+    )
     return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
 
 

@@ -57,10 +57,10 @@ def fields(solution: Solution, design: Design) -> tuple[list[Field], list[str]]:
     failed = {error.name for error in solution.result.errors}
     groups: dict[Cuboid | None, list[Demand]] = {}
     found: list[Field] = []
-    notes: list[str] = []
+    not_shown: list[str] = []
     for demand in design.demands:
         if demand.name in failed:
-            notes.append(f"No field is shown of {demand.name}, which failed.")
+            not_shown.append(f"No field is shown of {demand.name}, which failed.")
         else:
             groups.setdefault(cuboid_of(solution, demand.name), []).append(demand)
     for cuboid, demands in groups.items():
@@ -71,9 +71,9 @@ def fields(solution: Solution, design: Design) -> tuple[list[Field], list[str]]:
             except OrthospecError as error:
                 place = error.place if isinstance(error, PluginFault) else None
                 without = [one for one in demands if one.place == place] or demands
-                notes.append(f"No field is shown of {', '.join(one.name for one in without)}: {error}")
+                not_shown.append(f"No field is shown of {', '.join(one.name for one in without)}: {error}")
                 demands = [one for one in demands if one not in without]
-    return found, notes
+    return found, not_shown
 
 
 def _of(solution: Solution, design: Design, cuboid: Cuboid | None) -> Iterator[Field]:

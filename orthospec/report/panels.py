@@ -31,7 +31,7 @@ MOST_LIMITS = 12
 
 @dataclass(frozen=True)
 class Figures:
-    """All figures of a report by what they are about; what could not be drawn is said in the notes."""
+    """All figures of a report by what they are about; and sentences on what could not be drawn."""
 
     machine: list[Panel] = field(default_factory=list)
     limits: list[Panel] = field(default_factory=list)
@@ -40,7 +40,7 @@ class Figures:
     cuboids: list[Panel] = field(default_factory=list)
     fields: list[Group] = field(default_factory=list)
     convergence: list[Panel] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    not_shown: list[str] = field(default_factory=list)
 
     @property
     def in_space(self) -> list[Panel]:
@@ -57,12 +57,12 @@ class Figures:
 def figures(solution: Solution, reading: Reading) -> Figures:
     """The figures of a solution; without its spec those that need no machine."""
     design = solution.design
-    shown, notes = fields(solution, design) if design else ([], [_WITHOUT])
+    shown, not_shown = fields(solution, design) if design else ([], [_WITHOUT])
     try:
         drawn = _machine(solution, reading, design) if design else []
     except PluginFault as fault:
         drawn = []
-        notes.append(f"The machine is not drawn: {fault}.")
+        not_shown.append(f"The machine is not drawn: {fault}.")
     return Figures(
         machine=drawn,
         limits=_limits(reading),
@@ -71,7 +71,7 @@ def figures(solution: Solution, reading: Reading) -> Figures:
         cuboids=_cuboids(reading, design) if design else [],
         fields=[group for one in shown for group in field_groups(reading, one, design)] if design else [],
         convergence=_convergence(reading),
-        notes=notes,
+        not_shown=not_shown,
     )
 
 

@@ -14,13 +14,6 @@ MOST_POSES = 3
 """Of one limit that are listed."""
 
 
-def errors(reading: Reading) -> list[str]:
-    """Failures, a sentence each."""
-    return [
-        f"{one.name}{f' ({one.place})' if one.place else ''}: {one.message}" for one in reading.result.errors
-    ]
-
-
 def goals(reading: Reading) -> list[tuple[tables.GoalRow, Any]]:
     """Each goal with its bar."""
     attainment = reading.result.attainment

@@ -15,7 +15,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
-    from orthospec.result.records import Attainment, Branch, Card, Finding, Limit, Search, Taken
+    from orthospec.result.records import (
+        Attainment,
+        Branch,
+        Card,
+        Finding,
+        Limit,
+        Note,
+        PluginError,
+        Search,
+        Taken,
+    )
     from orthospec.spec import Spec
     from orthospec.workspace.evaluate import Evaluation, Largest, Measured, Prescribed, Value
     from orthospec.workspace.guarantee import Bracket, Proof
@@ -36,7 +46,8 @@ def compose(spec: Spec, finding: Finding) -> dict[str, Any]:
             search=_search(spec, finding.search),
             pareto=[_pareto(spec, point) for point in finding.pareto],
             sweep=[_design(spec, point) for point in finding.sweep],
-            errors=_errors(spec, finding),
+            errors=[_told(spec, error.name, error) for error in finding.errors],
+            notes=[_told(spec, note.about, note) for note in finding.notes],
         ),
         "provenance": _provenance(spec),
     }
@@ -252,11 +263,8 @@ def _card(spec: Spec, card: Card) -> dict[str, Any]:
     }
 
 
-def _errors(spec: Spec, finding: Finding) -> list[dict[str, Any]]:
-    return [
-        {"name": error.name, **_given(place=_portable(spec, error.place)), "message": error.message}
-        for error in finding.errors
-    ]
+def _told(spec: Spec, name: str, one: PluginError | Note) -> dict[str, Any]:
+    return {"name": name, **_given(place=_portable(spec, one.place)), "message": one.message}
 
 
 def _portable(spec: Spec, place: str | None) -> str | None:

@@ -251,9 +251,18 @@ class SearchRecord(_Record):
 
 
 class ErrorRecord(_Record):
-    """A plugin that failed, a pose where a measure could not be computed, a grid coarser than asked for."""
+    """A plugin that failed, or a pose where a measure could not be computed."""
 
     name: str
+    place: str | None = None
+    message: str
+
+
+class NoteRecord(_Record):
+    """What was done otherwise than asked for, though nothing failed: a coarser grid, a point left out."""
+
+    name: str
+    """The key of the spec that it is about."""
     place: str | None = None
     message: str
 
@@ -291,4 +300,5 @@ class Result(DesignRecord):
     pareto: list[ParetoRecord] = []
     sweep: list[DesignRecord] = []
     errors: list[ErrorRecord] = []
+    notes: list[NoteRecord] = []
     provenance: dict[str, Any] = {}

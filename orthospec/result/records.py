@@ -161,8 +161,14 @@ class PluginError:
 
 
 @dataclass(frozen=True)
-class Note(PluginError):
-    """What was done otherwise than asked for, told beside the errors: no plugin failed."""
+class Note:
+    """What was done otherwise than asked for, though nothing failed."""
+
+    about: str
+    """The key of the spec."""
+    place: str | None
+    """``FILE:LINE:COLUMN`` in the spec."""
+    message: str
 
 
 @dataclass(frozen=True)
@@ -177,6 +183,7 @@ class Finding:
     search: Search | None = None
     sweep: tuple[Finding, ...] = ()
     errors: tuple[PluginError, ...] = ()
+    notes: tuple[Note, ...] = ()
     pareto: tuple[Finding, ...] = ()
     is_knee: bool = False
     """Whether it is the knee of a Pareto set."""

@@ -42,7 +42,7 @@ class _Writer:
         self._branches()
         self._pareto()
         self._sweep()
-        self._errors()
+        self._told()
 
     def _status(self) -> None:
         result = self.reading.result
@@ -173,10 +173,11 @@ class _Writer:
             self.page.heading(f"Sweep along {', '.join(tables.varied(sweep))}")
             self.page.table(*tables.sweep(self.reading))
 
-    def _errors(self) -> None:
-        errors = self.reading.result.errors
-        if errors:
-            self.page.heading("Failures")
-        for error in errors:
-            place = f" ({error.place})" if error.place else ""
-            self.page.sentence(f"{error.name}{place}: {error.message}", manner="bad")
+    def _told(self) -> None:
+        """What failed, and what was done otherwise than asked for."""
+        result = self.reading.result
+        for heading, several, manner in (("Failures", result.errors, "bad"), ("Notes", result.notes, "")):
+            if several:
+                self.page.heading(heading)
+            for one in several:
+                self.page.sentence(words.told(one), manner=manner)

@@ -12,8 +12,10 @@ from orthospec.result.model import (
     CardRecord,
     CulpritRecord,
     DesignRecord,
+    ErrorRecord,
     FrontSearchRecord,
     LimitRecord,
+    NoteRecord,
     PrescribedRecord,
     ProofRecord,
     SearchRecord,
@@ -320,6 +322,11 @@ def ways_out(card: CardRecord) -> str:
     if card.scale is not None:
         ways.append(f"a cuboid of {100 * card.scale:.4g} % of the size")
     return f"Or: {', or '.join(ways)}." if ways else ""
+
+
+def told(one: ErrorRecord | NoteRecord) -> str:
+    """A failure or a note, with its place in the spec."""
+    return f"{one.name}{f' ({one.place})' if one.place else ''}: {one.message}"
 
 
 def _moved(change: float | None, nothing: str, moves: str) -> str:
