@@ -32,10 +32,14 @@ class Mistake:
     column: int
     message: str
 
+    @property
+    def place(self) -> str:
+        """``FILE:LINE:COLUMN``, or where it is not of a line what it is of."""
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
     def __str__(self) -> str:
         """``FILE:LINE:COLUMN: message``, as editors and compilers write it."""
-        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
-        return f"{place}: {self.message}"
+        return f"{self.place}: {self.message}"
 
 
 class SpecError(OrthospecError):

@@ -339,6 +339,23 @@ def test_check_tells_what_each_spec_is_and_all_mistakes(spec: Path) -> None:
     assert [line.split(": ")[0] for line in lines] == ["bad.yaml:6:45", "bad.yaml:8:61", "none.yaml"]
 
 
+def test_a_variable_that_nothing_names_is_noted_by_check_and_in_the_result(spec: Path) -> None:
+    spec.write_text(SPEC.replace("variables:\n", "variables:\n  lag: {min: 1, max: 2}\n"))
+    place, said = "small.yaml:4:3", "variable 'lag' changes nothing"
+    result = _orthospec("check", spec.name)
+    assert result.stdout.startswith("small.yaml: ok (orthoglide, 2 variables")
+    assert result.stderr.startswith(f"note: {place}: {said}")
+    ((note,),) = (one["notes"] for one in json.loads(_orthospec("check", spec.name, "--json").stdout))
+    assert note["message"].startswith(said)
+    _orthospec("evaluate", spec.name, "-o", "out")
+    (kept,) = read_result(Path("out"))["notes"]
+    assert kept["place"] == place
+    assert kept["message"].startswith(said)
+    named = SPEC.replace("0.5", "lag / 2").replace("variables:\n", "variables:\n  lag: {min: 1, max: 2}\n")
+    spec.write_text(named)
+    assert not _orthospec("check", spec.name).stderr
+
+
 def test_check_reads_standard_input_and_settings(spec: Path) -> None:
     assert "-: ok" in _orthospec("check", "-", text=spec.read_text()).stdout
     result = _orthospec("check", spec.name, "--set", "workspace.divisions=none", code=2)

@@ -103,13 +103,16 @@ def check(
             problem = load_spec(Path(spec), settings or [])
         except OrthospecError as error:
             codes.add(error.exit_code)
-            told.append({"file": spec, "ok": False, "mistakes": _mistakes(spec, error)})
+            told.append({"file": spec, "ok": False, "mistakes": _mistakes(spec, error), "notes": []})
             if not as_json:
                 say(str(error))
         else:
-            told.append({"file": spec, "ok": True, "mistakes": []})
+            notes = problem.oddities()
+            told.append({"file": spec, "ok": True, "mistakes": [], "notes": list(map(asdict, notes))})
             if not as_json:
                 print_text(f"{spec}: ok ({_in_a_line(problem)})")
+                for note in notes:
+                    say(f"note: {note}")
     if as_json:
         print_json(told)
     return max(codes)

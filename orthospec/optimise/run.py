@@ -31,6 +31,7 @@ from orthospec.result import (
     Finding,
     FrontSearch,
     Limit,
+    Note,
     Search,
     Status,
 )
@@ -91,9 +92,8 @@ def evaluate_spec(
     status: Status = "failed" if known.faults else "evaluated"
     attainment = attainment_of(design, evaluation)
     errors = (*known.errors, *sweep.errors)
-    finding = Finding(
-        status, design, evaluation, attainment, sweep=sweep.points, errors=errors, notes=sweep.notes
-    )
+    notes = (*_notes_of(spec), *sweep.notes)
+    finding = Finding(status, design, evaluation, attainment, sweep=sweep.points, errors=errors, notes=notes)
     return Outcome(finding, {"seconds": clock.seconds})
 
 
@@ -155,7 +155,7 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         best.taken if best is not None else (),
     )
     errors = [*known.errors, *sweep.errors, *(error for point in front for error in point.errors)]
-    notes = [*known.notes, *sweep.notes, *(note for point in front for note in point.notes)]
+    notes = [*_notes_of(spec), *known.notes, *sweep.notes, *(note for point in front for note in point.notes)]
     finding = Finding(
         status,
         design,
@@ -169,6 +169,11 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         front,
     )
     return Outcome(finding, {"seconds": clock.seconds, "solves": branches.history()}, stopped)
+
+
+def _notes_of(spec: Spec) -> list[Note]:
+    """What is odd about the spec itself."""
+    return [Note("variables", odd.place, odd.message) for odd in spec.oddities()]
 
 
 class _Ending(NamedTuple):

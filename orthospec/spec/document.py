@@ -44,4 +44,4 @@ class Document:
 
     def place(self, path: Path) -> str:
         """``FILE:LINE:COLUMN`` of a key or list item."""
-        return str(self.mistake(path, "", at_key=True)).removesuffix(": ")
+        return self.mistake(path, "", at_key=True).place

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from orthospec import registry
-from orthospec.errors import UnbuildableDesign, UsageError
+from orthospec.errors import Mistake, UnbuildableDesign, UsageError
 from orthospec.quantities import Expression, ExpressionError
 from orthospec.quantities.fields import read
 from orthospec.spec.blueprint import Blueprint, Refused
@@ -21,6 +22,9 @@ from orthospec.spec.solved import Solved
 
 if TYPE_CHECKING:
     from orthospec.manipulators import Manipulator
+
+UNUSED = "variable '{}' changes nothing: no key of the machine, measure or goal names it"
+_NAME = re.compile(r"[^\W\d]\w*")
 
 
 @dataclass(frozen=True)
@@ -93,6 +97,17 @@ class Spec:
         used |= {registry.distribution_of(registry.MEASURES, plan.blueprint.use) for plan in self.measures}
         return tuple(sorted(used))
 
+    def oddities(self) -> list[Mistake]:
+        """What its author may have meant otherwise, though it can be run: variables that nothing names."""
+        content = self.canonical()
+        texts = _texts([content[part] for part in ("manipulator", "measures", "goals")])
+        named = {name for text in texts for name in _NAME.findall(text)}
+        return [
+            self.document.mistake(("variables", name), UNUSED.format(name), at_key=True)
+            for name in self.variables
+            if name not in named
+        ]
+
     def canonical(self) -> dict[str, Any]:
         """The content that decides the result: no title, notes or comments; SI units, one spelling."""
         return {
@@ -120,6 +135,15 @@ class Spec:
             wanted, given = ", ".join(self.variables) or "none", ", ".join(values) or "none"
             raise UsageError(f"a value for each variable was expected ({wanted}), given are {given}")
         return {name: float(values[name]) for name in self.variables}
+
+
+def _texts(content: Any) -> Iterator[str]:
+    """All values that are texts, at whatever depth."""
+    if isinstance(content, Mapping | list):
+        for inner in content.values() if isinstance(content, Mapping) else content:
+            yield from _texts(inner)
+    elif isinstance(content, str):
+        yield content
 
 
 def _variable_content(variable: Variable) -> dict[str, Any]:
