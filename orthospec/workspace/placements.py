@@ -5,7 +5,8 @@ or violate one bound, or where several conditions at several places cannot all h
 cuboid of the box, and each larger one with such a centre, has a pose at which something does not hold.
 Otherwise it is cut in two. Tried are the corners, the middles of edges and faces, the centre, and the
 critical points of a cuboid that is nearly too large: those first that are worst, in plain arithmetic, at the
-box's own middle.
+box's own middle. Before all this come poses that are known to fail, which exclude most boxes at no cost
+(`obstacles`).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from orthospec.workspace.conditions import Sample, conditions_of
 from orthospec.workspace.critical import find_peaks, lattice
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
+from orthospec.workspace.obstacles import Obstacles
 from orthospec.workspace.weighing import cannot_all_hold
 
 if TYPE_CHECKING:
@@ -68,10 +70,11 @@ def none_fits(
     while len(waiting):
         # The last are the smallest: where a cuboid does fit, the search comes to its end there first.
         waiting, boxes = waiting[:-BATCH], waiting[-BATCH:]
+        boxes = search.obstacles.leave(boxes)
         spent += len(boxes)
         if spent > most:
             return False, spent
-        rest = boxes[search.not_excluded(boxes)]
+        rest = boxes[search.not_excluded(boxes)] if len(boxes) else boxes
         if len(rest) and ((rest.hi - rest.lo) <= FINEST * size).all(axis=1).any():
             return False, spent
         waiting = waiting.joined(_cut(rest, middle, NEAR * size))
@@ -138,6 +141,7 @@ class _Search:
         self._case_of = np.array([-1 if c.kind == "joint" else names.index(c.name) for c in self._conditions])
         """The demand that each condition is of, by number; −1 for the reach."""
         self._places = lattice(3, len(size))
+        self.obstacles = Obstacles(size, self._seem_to_fail, self._certainly_fail)
         if largest is not None:
             self._places = np.vstack([self._places, self._critical(largest)])
 
@@ -169,6 +173,19 @@ class _Search:
         rest = np.flatnonzero(left)
         left[rest] = ~cannot_all_hold(Linear(*(part[rest] for part in found)))
         return left
+
+    def _seem_to_fail(self, poses: Array) -> Flags:
+        """At which of the poses (k, d) a condition fails, in plain arithmetic."""
+        rows = Sample(self._machine, self._padded(poses)).rows(self._conditions, [], {})
+        return np.asarray((rows > 0).any(axis=0))
+
+    def _certainly_fail(self, poses: Array) -> Flags:
+        """At which of the poses (k, d) a condition is proved to fail."""
+        fails, padded = np.zeros(len(poses), dtype=bool), self._padded(poses)
+        for case in np.unique(self._case_of):
+            for excess in self._over(int(case), Boxes(padded, padded)).values():
+                fails |= excess.lo > 0
+        return fails
 
     def _looks(self, boxes: Boxes) -> _Looks:
         """The worst conditions at the worst places of the cuboid, in plain arithmetic at each box's middle.
