@@ -18,7 +18,7 @@ from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.evaluate import Setting, evaluate
 from orthospec.workspace.guarantee import bracket, proof_over
 from orthospec.workspace.machine import Machine
-from orthospec.workspace.placements import none_fits
+from orthospec.workspace.placements import Placing, none_fits
 
 LEG = 0.2 / (1 / np.sqrt(6) + 1 / np.sqrt(18))
 LOW, HIGH = -LEG / np.sqrt(6), LEG / np.sqrt(18)
@@ -34,7 +34,7 @@ def machine(measure=None, bounds=None, **keys):
 
 
 def test_no_cube_larger_by_a_millionth_fits_anywhere():
-    proved, boxes = none_fits(machine(*FACTORS), SIZE * (1 + 1e-6), None, 50_000)
+    proved, boxes, _ = none_fits(machine(*FACTORS), SIZE * (1 + 1e-6), None, 50_000)
     assert proved
     assert boxes < 8_000
 
@@ -55,7 +55,7 @@ def test_corners_that_hold_each_other_in_balance_are_weighed(at_most):
     """Either corner alone leaves a thin disc of centres, of which boxes would be as many as 1 / part."""
     bounds, cube = balanced(at_most)
     for part in (1e-3, 1e-6):
-        proved, boxes = none_fits(machine(FACTORS[0], bounds), cube.size * (1 + part), None, 20_000, cube)
+        proved, boxes, _ = none_fits(machine(FACTORS[0], bounds), cube.size * (1 + part), None, 20_000, cube)
         assert proved
         assert boxes < 8_000
 
@@ -80,7 +80,7 @@ def test_no_centre_is_excluded_at_which_the_cube_fits(at_most):
 
 def test_where_a_cube_fits_nothing_is_proved():
     for part in (1e-6, 0.5):
-        assert not none_fits(machine(*FACTORS), SIZE * (1 - part), None, 5_000)[0]
+        assert not none_fits(machine(*FACTORS), SIZE * (1 - part), None, 5_000).excluded
 
 
 def test_a_flat_cuboid_that_fits_far_from_the_origin_is_not_excluded():
@@ -89,16 +89,16 @@ def test_a_flat_cuboid_that_fits_far_from_the_origin_is_not_excluded():
     size = np.array([0.05, 0.05, 1e-4])
     place = Cuboid.around(np.array([0.0, 0.0, 1.25]), size)
     assert proof_over(delta, place, 0.0, 1_000).verdict == "proved"
-    assert not none_fits(delta, size, None, 20_000)[0]
+    assert not none_fits(delta, size, None, 20_000).excluded
     assert bracket(delta, size, Cuboid.around(place.centre, size / 10), 0.1, None, 20_000).most is None
 
 
 def test_where_the_reach_ends_far_out_is_seen_for_flat_cuboids_too():
     """Seen from above the reach is the same at every height; no square of 415 mm has room in it."""
     delta = Machine(LinearDelta(**HIGH_UP, joint_limits={"min": 1.5, "max": 2.0}), {})
-    assert none_fits(delta, np.array([0.415, 0.415, 1e-4]), None, 2_000)[0]
+    assert none_fits(delta, np.array([0.415, 0.415, 1e-4]), None, 2_000).excluded
     legs_alone = Machine(LinearDelta(**HIGH_UP), {})
-    assert none_fits(legs_alone, np.array([0.415, 0.415, 1e-4]), None, 2_000)[0]
+    assert none_fits(legs_alone, np.array([0.415, 0.415, 1e-4]), None, 2_000).excluded
 
 
 @settings(deadline=None, max_examples=10)
@@ -121,19 +121,19 @@ def test_a_cuboid_that_is_proved_to_fit_somewhere_is_not_said_to_fit_nowhere(nam
     cuboid = Cuboid.around(low + 0.2 * np.array(place), size)
     assume(proof_over(Machine(one, {}), cuboid, 0.0, 200).verdict == "proved")
     largest = Cuboid.around(cuboid.centre, 0.9 * size) if known else None
-    assert not none_fits(Machine(one, {}), size, None, 2_000, largest)[0]
+    assert not none_fits(Machine(one, {}), size, None, 2_000, largest).excluded
 
 
 def test_a_box_that_one_condition_alone_excludes_needs_no_measure():
     """The joint limit leaves 100 mm of slide: less than any cube of 101 mm takes."""
     short = machine(joint_limits={"min": 0.26, "max": 0.36})
-    assert none_fits(short, np.full(3, 0.101), None, 20_000)[0]
-    assert not none_fits(short, np.full(3, 0.05), None, 2_000)[0]
+    assert none_fits(short, np.full(3, 0.101), None, 20_000).excluded
+    assert not none_fits(short, np.full(3, 0.05), None, 2_000).excluded
 
 
 def test_a_region_smaller_than_the_cuboid_leaves_it_no_place():
     region = Cuboid((-0.1,) * 3, (0.1, 0.1, 0.099))
-    assert none_fits(machine(*FACTORS), SIZE, region, 10) == (True, 0)
+    assert none_fits(machine(*FACTORS), SIZE, region, 10) == Placing(True, 0)
 
 
 def test_a_measure_that_tells_nothing_of_boxes_excludes_nothing(monkeypatch):
@@ -141,8 +141,8 @@ def test_a_measure_that_tells_nothing_of_boxes_excludes_nothing(monkeypatch):
         raise ValueError("not of boxes")
 
     monkeypatch.setattr(VelocityTransmission, "enclosure", broken)
-    assert not none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000)[0]
-    assert none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000, CUBE) == (False, 1)
+    assert not none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000).excluded
+    assert none_fits(machine(*FACTORS), SIZE * 1.2, None, 2_000, CUBE) == Placing(False, 1)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_a_measure_that_tells_nothing_of_boxes_excludes_nothing(monkeypatch):
 def test_an_enclosure_that_is_none_excludes_nothing(monkeypatch, enclosure):
     monkeypatch.setattr(ConditionNumber, "enclosure", lambda *given: enclosure(*given[1:]))
     one = machine(ConditionNumber(), {"at_most": 3.0})
-    assert none_fits(one, SIZE, None, 2_000, CUBE) == (False, 1)
+    assert none_fits(one, SIZE, None, 2_000, CUBE) == Placing(False, 1)
 
 
 def test_a_form_over_other_coordinates_is_left_aside(monkeypatch):
@@ -168,7 +168,7 @@ def test_a_form_over_other_coordinates_is_left_aside(monkeypatch):
         return flat + 0 * Boxes(np.zeros((len(boxes), 5)), np.ones((len(boxes), 5))).poses[:, 4]
 
     monkeypatch.setattr(ConditionNumber, "enclosure", enclosure)
-    assert not none_fits(machine(ConditionNumber(), {"at_most": 3.0}), SIZE, None, 2_000, CUBE)[0]
+    assert not none_fits(machine(ConditionNumber(), {"at_most": 3.0}), SIZE, None, 2_000, CUBE).excluded
 
 
 def test_what_is_not_proved_costs_two_budgets_at_most(monkeypatch):
@@ -178,7 +178,7 @@ def test_what_is_not_proved_costs_two_budgets_at_most(monkeypatch):
     def fits_nowhere(_, size, *__):
         part = float(f"{size[0] / SIZE[0] - 1:.3g}")
         asked.append(part)
-        return part >= least, 0
+        return Placing(part >= least, 0)
 
     monkeypatch.setattr(guarantee, "none_fits", fits_nowhere)
     for least, tried in ((0, [1e-6]), (1e-2, [1e-6, 1e-1, 1e-2, 1e-4]), (1, [1e-6, 1e-1])):
@@ -247,7 +247,7 @@ def test_other_measures_have_proved_ends(measure):
     bound = 4.0 if isinstance(measure, ConditionNumber) else 1.3
     one = machine(measure, {"at_most": bound})
     edge = next(e for e in np.linspace(0.4, 0.02, 39) if _holds(one, np.full(3, e)))
-    assert none_fits(one, np.full(3, 3 * edge), None, 20_000)[0]
+    assert none_fits(one, np.full(3, 3 * edge), None, 20_000).excluded
 
 
 def _holds(one, size):

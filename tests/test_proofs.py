@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
+from itertools import product
 from typing import ClassVar
 
 import numpy as np
@@ -141,6 +143,54 @@ def test_a_design_that_a_proof_refutes_is_solved_on_until_one_is_proved(bumpy):
     assert finding.design.values["leg"] == pytest.approx(0.36, rel=1e-6)
     assert finding.status == "compromise"
     assert finding.evaluation.prescribed.proof.verdict == "proved"
+
+
+class Islands(Measure):
+    """At most 2 in balls about cubes: seven of 31 mm with four nodes in a row, one of 33 mm with three."""
+
+    unit: ClassVar[str] = "1"
+    sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
+
+    def values(self, manipulator, poses):  # noqa: ARG002
+        far = _corners(poses, FAR, 33e-3)
+        return reduce(np.minimum, [_corners(poses, place, 31e-3) for place in OTHERS], far)
+
+
+def _corners(poses, place, edge):
+    """2 at the corners of a cube."""
+    return np.sum((poses - place) ** 2, axis=1) * (8 / 3 / edge**2)
+
+
+FAR = np.full(3, -40e-3)
+OTHERS = [np.array(place) * 1e-3 for place in product((-45, 45), repeat=3) if max(place) > 0]
+ISLANDS = HEAD.replace(
+    "[200 mm, 200 mm, 200 mm], divisions: 10", "[SIZE, SIZE, SIZE], divisions: 3, region: REGION"
+)
+ISLANDS = ISLANDS.replace("REGION", "{min: [-0.1, -0.1, -0.1], max: [0.1, 0.1, 0.1]}")
+ISLANDS = ISLANDS.replace(
+    "transmission: {use: velocity_transmission, at_least: 0.5,", "islands: {use: islands,"
+)
+
+
+@pytest.mark.parametrize("size", [30, 40])
+def test_a_larger_cuboid_that_the_grid_has_missed_is_told_and_proved_instead(monkeypatch, spec_of, size):
+    monkeypatch.setattr(registry, "find_measure", lambda _: Islands)
+    spec = spec_of(ISLANDS.replace("SIZE", f"{size} mm"), f"workspace.divisions={size // 10}")
+    plain = evaluate_spec(spec)
+    before = plain.finding.evaluation
+    assert before.joint.scale == pytest.approx(31 / size, rel=1e-9)
+    after = with_proof(spec, plain, ProofKeys()).finding.evaluation
+    for one in (after.joint, after.measures["islands"].largest):
+        assert one.scale == pytest.approx(33 / size, rel=1e-9)
+        assert one.cuboid.centre == pytest.approx(FAR, abs=1e-9)
+        assert (one.proved.least, one.proved.most) == pytest.approx((33 / size,) * 2, rel=2e-6)
+        assert one.grid_scale == before.joint.grid_scale
+    # The prescribed one stays where it holds, and moves where it does not.
+    assert after.prescribed.holds == (size == 30)
+    assert after.prescribed.proof.verdict == ("proved" if size == 30 else "refuted")
+    assert after.prescribed.cuboid.centre == pytest.approx(
+        before.prescribed.cuboid.centre if size == 30 else FAR, abs=1e-6
+    )
 
 
 class Opaque(Bump):

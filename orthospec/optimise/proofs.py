@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orthospec.measures import Level
-from orthospec.optimise.space import DesignSpace
+from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_bounds
 from orthospec.optimise.workers import Workers, in_order
 from orthospec.spec import Design, ProofKeys
 from orthospec.workspace.cuboid import Cuboid
-from orthospec.workspace.evaluate import Evaluation, Largest, Prescribed
+from orthospec.workspace.evaluate import Evaluation, Largest, Prescribed, enlarged
 from orthospec.workspace.guarantee import Bracket, Proof, bracket, proof_within
 from orthospec.workspace.machine import Machine
 
 if TYPE_CHECKING:
     from orthospec.workspace.field import Progress
 
+
+ENLARGED = 3
+"""How often a largest cuboid gives way to one that its proof has met."""
 
 Bounds: TypeAlias = tuple[tuple[str, float], ...]
 """Bounds by their sides."""
@@ -64,7 +68,7 @@ def prove_cuboid(space: DesignSpace, one: ToProve, progress: Progress | None = N
     return Proved(proof, ends)
 
 
-PROVE = Task("proving", prove_cuboid, machine_and_bounds, (Proved, Proof, Bracket))
+PROVE = Task("proving", prove_cuboid, machine_and_bounds, (Proved, Proof, Bracket, Cuboid))
 
 
 def proved(
@@ -75,7 +79,53 @@ def proved(
     progress: Progress | None = None,
     of: tuple[type[Any], ...] = (Prescribed, Largest),
 ) -> list[Evaluation]:
-    """The evaluations of designs, with a proof beside each cuboid ``of`` these kinds."""
+    """The evaluations of designs, with a proof beside each cuboid ``of`` these kinds.
+
+    Where the search for a scale's upper end meets a larger cuboid, that is told and proved instead.
+    """
+    found = [evaluation for _, evaluation in points]
+    for left in reversed(range(ENLARGED + 1)):
+        designs = [design for design, _ in points]
+        found = _proved(workers, space, list(zip(designs, found, strict=True)), keys, progress, of)
+        if not left or not any(map(_larger_in, found)):
+            break
+        before = found
+        found = [_enlarged(space, *point) for point in zip(designs, found, strict=True)]
+        if all(map(operator.is_, before, found)):
+            break
+        of = (Prescribed, Largest)
+    return found
+
+
+def _larger_in(evaluation: Evaluation) -> dict[str, Cuboid]:
+    """Cuboids that proofs have met, larger than the largest that are told, by measure ("": joint)."""
+    told = {"": evaluation.joint}
+    if evaluation.joint is None:
+        told = {name: record.largest for name, record in evaluation.measures.items()}
+    ends = {name: one.proved for name, one in told.items() if one is not None}
+    return {name: one.larger for name, one in ends.items() if one is not None and one.larger is not None}
+
+
+def _enlarged(space: DesignSpace, design: Design, evaluation: Evaluation) -> Evaluation:
+    """The evaluation with what these lead to; as it is where there are none."""
+    larger = _larger_in(evaluation)
+    if not larger:
+        return evaluation
+    machine = machine_of(design)
+    known = {name: demand for name, demand in machine.demands.items() if name in evaluation.measures}
+    machine = replace(machine, demands=known)
+    return enlarged(machine, space.setting, evaluation, larger, space.forms)
+
+
+def _proved(
+    workers: Workers,
+    space: DesignSpace,
+    points: Sequence[tuple[Design, Evaluation]],
+    keys: ProofKeys,
+    progress: Progress | None,
+    of: tuple[type[Any], ...],
+) -> list[Evaluation]:
+    """The evaluations with a proof beside each cuboid of these kinds that has none."""
     wanted: dict[ToProve, None] = {}
 
     def ask(design: Design, one: Any, *how: Any) -> Any:
@@ -139,9 +189,9 @@ def _item(
     level: Bounds | None,
     ends: bool,
 ) -> ToProve | None:
-    """What is to be proved of a cuboid; None of one that has no size."""
+    """What is to be proved of a cuboid; None of one that has no size, or a proof."""
     scale = one.scale if isinstance(one, Largest) else None
-    if one.cuboid is None or scale == 0:
+    if one.cuboid is None or scale == 0 or one.proof is not None:
         return None
     values = tuple(design.values.values())
     return ToProve(values, names, level, one.cuboid, scale if ends else None, keys.slack, keys.boxes)

@@ -254,7 +254,8 @@ def with_proof(
     except KeyboardInterrupt:
         return replace(outcome, finding=replace(finding, status="unfinished"), interrupted=True)
     outcome.log.setdefault("seconds", {}).update(clock.seconds)
-    return replace(outcome, finding=replace(finding, evaluation=evaluation))
+    attainment = attainment_of(finding.design, evaluation)
+    return replace(outcome, finding=replace(finding, evaluation=evaluation, attainment=attainment))
 
 
 def fields_of(

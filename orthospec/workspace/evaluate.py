@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -163,13 +163,76 @@ def evaluate(
             if len(bounded) == 1
             else look.largest(bounded, everything, known.get(""))
         )
-    places = _places(setting, joint, own, prescribed)
-    standing = {name: _stand(machine, setting, place, bounded, name) for name, place in places.items()}
+    levels_of = {
+        demand.name: tuple((level, found) for name, level, found in nested if name == demand.name)
+        for demand in demands
+    }
+    places = _places(setting, joint, own) if prescribed is None else prescribed
+    standing = {name: _stand(machine, setting, place, name) for name, place in places.items()}
+    return _evaluation(machine, setting, _Cuboids(joint, own, levels_of), standing, tuple(failures))
+
+
+def enlarged(
+    machine: Machine,
+    setting: Setting,
+    evaluation: Evaluation,
+    larger: Mapping[str, Cuboid],
+    forms: Forms | None = None,
+) -> Evaluation:
+    """The evaluation with cuboids larger than those told, polished from these, by measure ("": joint).
+
+    What is new is without a proof. A prescribed cuboid that does not hold is centred on the new largest one;
+    any other stays where it stands. The same evaluation where none of these leads to a larger one.
+    """
+    measures = evaluation.measures
+    joint, own = evaluation.joint, {n: r.largest for n, r in measures.items() if r.largest is not None}
+    standing = {n: r.prescribed for n, r in measures.items() if r.prescribed is not None}
+    if evaluation.prescribed is not None:
+        standing[""] = evaluation.prescribed
+    grown = False
+    for name, start in larger.items():
+        names = [name] if name else list(own)
+        before = own[name] if name else joint
+        found = polish(machine, names, setting.size, [start], setting.region, forms)
+        if found is None or before is None or found.scale <= before.scale * (1 + FEASIBLE):
+            continue
+        grown = True
+        after = replace(before, scale=found.scale, cuboid=found.cuboid, proof=None, proved=None)
+        joint = joint if name else after
+        own.update(dict.fromkeys(names if len(names) == 1 else (), after))
+        if name in standing and not standing[name].holds:
+            place = Cuboid.around(found.cuboid.centre, setting.size)
+            standing[name] = _stand(machine, setting, place, name)
+    if not grown:
+        return evaluation
+    cuboids = _Cuboids(joint, own, {name: record.levels for name, record in measures.items()})
+    return _evaluation(machine, setting, cuboids, standing, evaluation.failures)
+
+
+class _Cuboids(NamedTuple):
+    """The largest cuboids of a design."""
+
+    joint: Largest | None
+    own: Mapping[str, Largest]
+    """Of each measure with bounds."""
+    levels: Mapping[str, tuple[tuple[Level, Largest], ...]]
+    """Of each measure."""
+
+
+def _evaluation(
+    machine: Machine,
+    setting: Setting,
+    cuboids: _Cuboids,
+    standing: Mapping[str, Prescribed],
+    failures: tuple[Failure, ...],
+) -> Evaluation:
+    """What there is to tell of a design with the prescribed cuboids that stand there."""
+    demands = list(machine.demands.values())
     records = {
         demand.name: Measured(
-            own.get(demand.name),
+            cuboids.own.get(demand.name),
             *_extremes(machine, demand, standing.get("" if "" in standing else demand.name)),
-            tuple((level, found) for name, level, found in nested if name == demand.name),
+            cuboids.levels[demand.name],
             _at_poses(machine, demand, setting.poses),
             standing.get(demand.name),
         )
@@ -178,7 +241,7 @@ def evaluate(
     joints = _joint_ranges(machine.manipulator, list(standing.values()))
     ranges = joints if joints is not None else np.full((len(machine.manipulator.joint_units), 2), np.nan)
     indices = dict(machine.manipulator.indices(ranges))
-    return Evaluation(standing.get(""), joint, records, joints, indices, tuple(failures))
+    return Evaluation(standing.get(""), cuboids.joint, records, joints, indices, failures)
 
 
 @dataclass(frozen=True)
@@ -213,14 +276,8 @@ class _Search:
         return Largest(found.scale, grid_scale, best.ties, found.cuboid, nodes)
 
 
-def _places(
-    setting: Setting,
-    joint: Largest | None,
-    own: Mapping[str, Largest],
-    prescribed: Mapping[str, Cuboid] | None,
-) -> Mapping[str, Cuboid]:
-    if prescribed is not None:
-        return prescribed
+def _places(setting: Setting, joint: Largest | None, own: Mapping[str, Largest]) -> Mapping[str, Cuboid]:
+    """The prescribed cuboids, each centred on its largest one."""
     found = {"": joint} if joint is not None else own
     return {
         name: Cuboid.around(record.cuboid.centre, setting.size)
@@ -229,11 +286,9 @@ def _places(
     }
 
 
-def _stand(
-    machine: Machine, setting: Setting, place: Cuboid, bounded: Sequence[Demand], name: str
-) -> Prescribed:
+def _stand(machine: Machine, setting: Setting, place: Cuboid, name: str) -> Prescribed:
     """Judge a prescribed cuboid: for the joint one ("") by all demands, for a measure's own by its bounds."""
-    demands = [demand for demand in bounded if name in ("", demand.name)]
+    demands = [one for one in machine.demands.values() if one.bounds and name in ("", one.name)]
     greatest = _greatest(
         machine, place, conditions_of(machine.manipulator, demands, _probe(machine, place)), []
     )

@@ -59,6 +59,8 @@ class Bracket:
 
     least: float | None
     most: float | None
+    larger: Cuboid | None = None
+    """One above the scale that seems to fit, met while its upper end was sought."""
 
 
 def proof_within(
@@ -116,8 +118,13 @@ def bracket(
         smaller = Cuboid.around(np.array(cuboid.centre), (1 - part) * scale * size)
         return proof_over(machine, smaller, 0.0, boxes).verdict == "proved"
 
+    larger: Cuboid | None = None
+
     def fits_nowhere(part: float) -> bool:
-        return none_fits(machine, (1 + part) * scale * size, region, boxes, cuboid)[0]
+        nonlocal larger
+        found = none_fits(machine, (1 + part) * scale * size, region, boxes, cuboid)
+        larger = larger or found.fits
+        return found.excluded
 
     below, above = _least_part(holds), _least_part(fits_nowhere)
     # The corners of what was proved are rounded, and a scale is told to a little less than these allow.
@@ -126,7 +133,7 @@ def bracket(
     if region is not None:
         room = float(np.min(region.size / size)) * (1 + ROUNDING)
         most = room if most is None else min(most, room)
-    return Bracket(least, most)
+    return Bracket(least, most, larger)
 
 
 def _least_part(proved: Callable[[float], bool]) -> float | None:

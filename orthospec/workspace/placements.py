@@ -22,7 +22,7 @@ from orthospec.intervals import Boxes, Interval
 from orthospec.intervals.linear import Linear
 from orthospec.measures.demand import bounded_side
 from orthospec.workspace.conditions import Sample, conditions_of
-from orthospec.workspace.critical import find_peaks, lattice
+from orthospec.workspace.critical import Peaks, find_peaks, lattice
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.machine import Machine
 from orthospec.workspace.obstacles import Obstacles
@@ -52,13 +52,25 @@ NEAR = 4.0
 FINEST = 2.0**-40
 
 
+class Placing(NamedTuple):
+    """What came of a search for a place."""
+
+    excluded: bool
+    """Whether it is proved that the cuboid fits nowhere."""
+    boxes: int
+    """Of centres, that were looked at."""
+    fits: Cuboid | None = None
+    """Where it does fit as far as plain arithmetic tells; None where no such place was met."""
+
+
 def none_fits(
     machine: Machine, size: Array, region: Cuboid | None, most: int, largest: Cuboid | None = None
-) -> tuple[bool, int]:
-    """Whether it is proved that no cuboid of this size fits, and the boxes of centres that it took.
+) -> Placing:
+    """Whether it is proved that no cuboid of this size fits.
 
-    ``largest`` is a cuboid of less size whose critical points are worth a try. False where more than ``most``
-    boxes are needed, as where one does fit; at once where nothing excludes the largest one's centre alone.
+    ``largest`` is a cuboid of less size whose critical points are worth a try. Not proved where more than
+    ``most`` boxes are needed; at once where a place is met at which it seems to fit, or where nothing
+    excludes the largest one's centre alone.
     """
     search = _Search(machine, size, largest)
     middle = np.zeros(len(size)) if largest is None else largest.centre
@@ -66,19 +78,22 @@ def none_fits(
     if largest is not None and len(waiting):
         best = np.clip(middle, waiting.lo.min(axis=0), waiting.hi.max(axis=0))[None]
         if search.not_excluded(Boxes(best, best)).any():
-            return False, 1
+            return Placing(False, 1, search.place_in(Boxes(best, best)))
     while len(waiting):
         # The last are the smallest: where a cuboid does fit, the search comes to its end there first.
         waiting, boxes = waiting[:-BATCH], waiting[-BATCH:]
         boxes = search.obstacles.leave(boxes)
         spent += len(boxes)
         if spent > most:
-            return False, spent
+            return Placing(False, spent)
         rest = boxes[search.not_excluded(boxes)] if len(boxes) else boxes
+        fits = search.place_in(rest)
+        if fits is not None:
+            return Placing(False, spent, fits)
         if len(rest) and ((rest.hi - rest.lo) <= FINEST * size).all(axis=1).any():
-            return False, spent
+            return Placing(False, spent)
         waiting = waiting.joined(_cut(rest, middle, NEAR * size))
-    return True, spent
+    return Placing(True, spent)
 
 
 def _cut(boxes: Boxes, middle: Array, near: Array) -> Boxes:
@@ -147,15 +162,33 @@ class _Search:
 
     def _critical(self, cuboid: Cuboid) -> Array:
         """Where in a cuboid the conditions are worst (k, d), of those that it leaves little room."""
+        peaks = self._peaks(cuboid)
+        found = peaks.u[peaks.value > -ROOM]
+        apart = np.abs(found[:, None] - self._places).max(axis=2).min(axis=1) > APART
+        return np.asarray(found[apart][:MOST_CRITICAL])
+
+    def _peaks(self, cuboid: Cuboid) -> Peaks:
+        """Where in a cuboid each condition is worst."""
 
         def functions(u: Array) -> Array:
             sample = Sample(self._machine, cuboid.poses(u, self._axes))
             return sample.rows(self._conditions, [], {})
 
-        peaks = find_peaks(functions, len(self._size))
-        found = peaks.u[peaks.value > -ROOM]
-        apart = np.abs(found[:, None] - self._places).max(axis=2).min(axis=1) > APART
-        return np.asarray(found[apart][:MOST_CRITICAL])
+        return find_peaks(functions, len(self._size))
+
+    def place_in(self, boxes: Boxes) -> Cuboid | None:
+        """A cuboid about the middle of one of the boxes that fits as far as plain arithmetic tells.
+
+        Tried is the one that fits best of those that do at all places that are looked at.
+        """
+        if not len(boxes):
+            return None
+        worst = np.nan_to_num(self._rows(boxes), nan=np.inf).max(axis=(0, 2))
+        best = int(worst.argmin())
+        if worst[best] > 0:
+            return None
+        cuboid = Cuboid.around(boxes.centres[best], self._size)
+        return cuboid if (self._peaks(cuboid).value <= 0).all() else None
 
     def not_excluded(self, boxes: Boxes) -> Flags:
         """Which boxes are left: of which no condition fails throughout, nor some of them by turns."""
@@ -194,9 +227,7 @@ class _Search:
         are greatest, a box tells nothing. It counts beside what the condition changes by over the cuboid.
         """
         n, each = len(boxes), np.arange(len(boxes))[:, None]
-        poses = (boxes.centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
-        rows = Sample(self._machine, self._padded(poses)).rows(self._conditions, [], {})
-        rows = rows.reshape(len(rows), n, -1)
+        rows = self._rows(boxes)
         spread = _spread(rows)
         rows = np.where(np.isfinite(rows), rows, -np.inf)
         of_reach = self._case_of < 0
@@ -210,6 +241,12 @@ class _Search:
         edges = ((boxes.hi - boxes.lo) / self._size).max(axis=1, keepdims=True)
         worth = (sure > -WORTH * edges) & (sure[:, :1] > 0)
         return _Looks(places[each, order // len(rows)], order % len(rows), worth)
+
+    def _rows(self, boxes: Boxes) -> Array:
+        """By how much conditions fail (k, n, places) in the cuboid about each box's middle, by arithmetic."""
+        poses = (boxes.centres[:, None, :] + self._size * self._places).reshape(-1, len(self._size))
+        rows = Sample(self._machine, self._padded(poses)).rows(self._conditions, [], {})
+        return rows.reshape(len(rows), len(boxes), -1)
 
     def _fails(
         self,
