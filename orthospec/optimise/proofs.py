@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from orthospec.errors import PluginFault
 from orthospec.measures import Level
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_bounds
@@ -107,14 +108,17 @@ def _larger_in(evaluation: Evaluation) -> dict[str, Cuboid]:
 
 
 def _enlarged(space: DesignSpace, design: Design, evaluation: Evaluation) -> Evaluation:
-    """The evaluation with what these lead to; as it is where there are none."""
+    """The evaluation with what these lead to; as it is where there are none, or a plugin fails on the way."""
     larger = _larger_in(evaluation)
     if not larger:
         return evaluation
     machine = machine_of(design)
     known = {name: demand for name, demand in machine.demands.items() if name in evaluation.measures}
     machine = replace(machine, demands=known)
-    return enlarged(machine, space.setting, evaluation, larger, space.forms)
+    try:
+        return enlarged(machine, space.setting, evaluation, larger, space.forms)
+    except PluginFault:
+        return evaluation
 
 
 def _proved(
