@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -188,6 +189,35 @@ class TestKindsOfGoals:
         assert finding.attainment.factor == pytest.approx(LEG, rel=1e-8)
         assert finding.search.subproblems <= 30
 
+    @pytest.mark.parametrize(
+        "goal",
+        ["sqrt(max(0, leg - 0.45)) + leg", "log(max(1e-3, leg - 0.45)) + leg", "exp(min(900, leg)) + leg"],
+    )
+    @pytest.mark.parametrize("most", [0.5, 0.44])
+    def test_a_piece_without_a_value_leaves_the_goal_its_own(self, cube, goal, most):
+        """sqrt(leg − 0.45) has none where the goal is least, or anywhere."""
+        finding = cube(f"  l: {{minimise: '{goal}', goal: 0.3}}", most=most)
+        assert finding.status in {"compromise", "attained"}
+        assert finding.design.values["leg"] == pytest.approx(LEG, rel=1e-8)
+
+    @pytest.mark.parametrize("start", [0.3, 0.34, 0.45])
+    def test_weights_that_vary_with_the_design_count_as_they_are_there(self, cube, start):
+        """λ = (L − 0.3) 0.3/L for the one and 0.5 − L for the other, the least where they are equal."""
+        shorter = "  short: {minimise: leg, goal: 0.3, weight: leg / 0.3}"
+        longer = "  long: {maximise: leg, goal: 0.5, weight: 1}"
+        finding = cube(f"{shorter}\n{longer}", settings=(f"variables.leg.start={start}",))
+        best = 0.1 + np.sqrt(0.1)
+        assert finding.design.values["leg"] == pytest.approx(best, rel=1e-8)
+        assert finding.attainment.factor == pytest.approx(0.5 - best, rel=1e-7)
+
+    @pytest.mark.parametrize("start", [0.27, 0.32, 0.45])
+    def test_a_goal_that_turns_with_an_extreme_is_attained_from_either_side(self, cube, start):
+        """Between its bounds the greatest factor falls as legs grow; wanted is 1.7."""
+        goals = "  near: {minimise: (highest(transmission) - 1.7)**2 * 10, goal: 0.001}"
+        finding = cube(goals, settings=(f"variables.leg.start={start}",))
+        assert finding.status == "attained"
+        assert finding.evaluation.measures["transmission"].highest.value == pytest.approx(1.7, abs=0.011)
+
 
 class TestWorkspace:
     def test_apart_each_measure_has_its_own_cuboid(self, cube):
@@ -255,6 +285,14 @@ class TestEndings:
         finding = cube("  legs: {minimise: leg, goal: 300 mm, weight: 0}")
         assert finding.status == "infeasible"
         assert ("goal", "legs") in {(limit.kind, limit.name) for limit in finding.limits}
+
+    def test_a_solve_that_ran_out_of_subproblems_says_so(self, cube, monkeypatch):
+        monkeypatch.setattr(attain, "FIRST", 1)
+        monkeypatch.setattr(attain, "minimise", partial(attain.minimise, most=2))
+        finding = cube("  l: {minimise: leg, goal: 0.3}", settings=("variables.leg.start=0.49",))
+        (note,) = finding.notes
+        assert note.about == "optimise"
+        assert "given up after" in note.message
 
     def test_the_same_spec_gives_the_same_numbers(self, cube):
         goal = "  legs: {minimise: leg, goal: 300 mm}"

@@ -50,6 +50,15 @@ def short(spec_of):
     return spec, solve(spec).finding
 
 
+def test_a_bound_that_varies_is_told_as_it_is_where_loosening_it_did(spec_of):
+    """With legs as long as may be, and not with those that the search begins with."""
+    varying = SHORT.replace("at_most: 2", "at_most: 1.7 + leg").replace("start: 280", "start: 150")
+    card = solve(spec_of(varying)).finding.search.card
+    bound = next(one for one in card.culprits if one.kind == "bound")
+    assert bound.value == pytest.approx(2.0, rel=1e-8)
+    assert bound.needed == pytest.approx(brentq(lambda most: least_leg(most) - 0.3, 2, 9), rel=1e-7)
+
+
 def test_the_conflict_is_the_smallest_one_and_says_so(short):
     """The lower bound takes part in the least violation, but legs and upper bound conflict without it."""
     card = short[1].search.card

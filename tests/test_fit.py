@@ -310,7 +310,6 @@ class Matched:
     """Two soft rows |extreme − 2| <= factor, and a hard one that wants it no higher than 9."""
 
     extremes = (Extreme("highest", "m"),)
-    reversed = frozenset(extremes)
     on_factor, on_slack = np.array([1.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
     def rows(self, machine, point):  # noqa: ARG002
@@ -321,7 +320,7 @@ class Matched:
 @pytest.mark.parametrize(("value", "wanted"), [(1.0, True), (1.9, True), (2.1, True), (3.0, False)])
 def test_an_extreme_is_held_from_its_far_side_only_where_a_row_that_acts_wants_it_worse(value, wanted):
     point = Point(np.zeros(0), np.zeros((1, 3)), 1.0, np.array([value]))
-    assert objective.wanted_worse(Matched(), None, point) == (Matched.reversed if wanted else frozenset())
+    assert objective.wanted_worse(Matched(), None, point) == frozenset(Matched.extremes if wanted else ())
 
 
 def test_a_region_without_room_in_an_axis_fixes_the_cuboid_there():

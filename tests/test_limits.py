@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -49,6 +50,14 @@ def test_all_that_binds_is_named_and_nothing_else(limits):
         ("bound", "transmission", "at_most"),
         ("goal", "leg_length", None),
     }
+
+
+def test_where_a_solve_ran_out_of_subproblems_what_binds_has_no_price(limits):
+    space = DesignSpace(load_spec(SPECS / "orthoglide-200.yaml", ["optimise.starts=1"]))
+    best = replace(hunt(space, Here()).best, exhausted=True)
+    found = limits_module.find_limits(space, best, Here())
+    assert {(limit.kind, limit.name, limit.side) for limit in found} == set(limits)
+    assert {limit.gain for limit in found} == {limit.cost for limit in found} == {None}
 
 
 def test_prices_are_the_closed_forms(limits):

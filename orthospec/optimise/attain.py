@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.composite.trust_region import FEASIBLE, Assessment, Iterate, Solution, minimise
+from orthospec.composite.trust_region import FEASIBLE, Assessment, Ending, Iterate, Solution, minimise
 from orthospec.optimise.objective import Learnt
 from orthospec.optimise.place import Fit, Place, fit_at
 from orthospec.optimise.space import DesignSpace
@@ -57,6 +57,8 @@ class Attained:
     iterates: tuple[Iterate, ...]
     pressure: Pressure | None = None
     """None where the solve was stopped before its end, or a bound has no part in it."""
+    exhausted: bool = False
+    """Whether the solve ran out of subproblems: what it came to may not be its end."""
 
     @property
     def feasible(self) -> bool:
@@ -154,7 +156,9 @@ FINISH = Task("solving from the best starts", finish, problem_of, _PARTS)
 def _continued(fit: Fit, before: Attained, progress: Progress | None) -> Attained:
     """Solve on from where another solve stood, as one solve with it."""
     found = _to_the_end(fit, before.subproblems, progress)
-    return replace(found, start=before.start, iterates=before.iterates + found.iterates)
+    # Where weights vary with the design, so does the unit.
+    earlier = tuple(replace(one, factor=one.factor * (before.unit / found.unit)) for one in before.iterates)
+    return replace(found, start=before.start, iterates=earlier + found.iterates)
 
 
 def _to_the_end(fit: Fit, before: int, progress: Progress | None) -> Attained:
@@ -176,7 +180,8 @@ def _to_the_end(fit: Fit, before: int, progress: Progress | None) -> Attained:
     except KeyboardInterrupt:
         raise Stopped(_attained(fit, trace.here, trace.spent, trace)) from None
     pressure = _pressure(fit, found) if confirmed.violation > FEASIBLE else None
-    return replace(_attained(fit, confirmed, spent, trace), pressure=pressure)
+    exhausted = found.ending is Ending.EXHAUSTED
+    return replace(_attained(fit, confirmed, spent, trace), pressure=pressure, exhausted=exhausted)
 
 
 def _attained(fit: Fit, here: Assessment, spent: int, trace: _Trace) -> Attained:

@@ -15,7 +15,9 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal
 
-from orthospec.optimise.give_way import CONFLICT, GIVE_WAY, WayOut, Without
+import numpy as np
+
+from orthospec.optimise.give_way import CONFLICT, GIVE_WAY, Way, WayOut, Without
 from orthospec.optimise.loosen import SMALLEST, joint_limits, stem
 from orthospec.optimise.place import Place
 from orthospec.optimise.space import DesignSpace
@@ -49,28 +51,35 @@ def find_card(
     ways = [WayOut(here, (one,)) for one in conflict]
     ways += [WayOut(here, conflict)] if len(conflict) > 1 else []
     ways += [] if scaled else [WayOut(here, ())]
-    known: dict[WayOut, float | None] = {}
+    known: dict[WayOut, Way | None] = {}
     try:
         for number, least in counted(workers, GIVE_WAY, space, ways, progress):
             known[ways[number]] = least
     except KeyboardInterrupt:
-        raise Stopped(_card(space, conflict, small, known)) from None
-    return _card(space, conflict, small, known)
+        raise Stopped(_card(space, here, conflict, small, known)) from None
+    return _card(space, here, conflict, small, known)
 
 
 def _card(
-    space: DesignSpace, conflict: tuple[Limit, ...], small: bool, known: Mapping[WayOut, float | None]
+    space: DesignSpace,
+    end: Place,
+    conflict: tuple[Limit, ...],
+    small: bool,
+    known: Mapping[WayOut, Way | None],
 ) -> Card:
     """The card of what is known; the loosening of a condition that is not was cut off."""
     least = {way.ones: by for way, by in known.items()}
-    culprits = [_culprit(space, one, least[(one,)]) for one in conflict if (one,) in least]
-    cut_off = [replace(_culprit(space, one, None), sought=False) for one in conflict if (one,) not in least]
-    together = least.get(conflict) if len(conflict) > 1 else None
+    culprits = [_culprit(space, one, end, least[(one,)]) for one in conflict if (one,) in least]
+    unknown = [_culprit(space, one, end, None) for one in conflict if (one,) not in least]
+    cut_off = [replace(one, sought=False) for one in unknown]
+    all_of_them, smaller = least.get(conflict), least.get(())
+    together = all_of_them.by if all_of_them is not None and len(conflict) > 1 else None
     if together is not None and any(
         one.by is not None and one.by <= together * (1 + SAME) for one in culprits
     ):
         together = None
-    return Card((*sorted(culprits, key=_order), *cut_off), small, together, least.get(()))
+    scale = None if smaller is None else smaller.by
+    return Card((*sorted(culprits, key=_order), *cut_off), small, together, scale)
 
 
 def _order(culprit: Culprit) -> tuple[float, str, str, str]:
@@ -135,17 +144,20 @@ def _smallest(
     return tuple(left), len(left) > 1 or not look.conflicts(())
 
 
-def _culprit(space: DesignSpace, one: Limit, by: float | None) -> Culprit:
-    """A condition of the conflict with its place, its value and the one that would do."""
-    value, unit = _value(space, one)
+def _culprit(space: DesignSpace, one: Limit, end: Place, way: Way | None) -> Culprit:
+    """A condition of the conflict with its place, its value and the one that would do.
+
+    A value that varies is that of the design found with it loosened, or else of the search's end.
+    """
+    value, unit = _value(space, one, end.z if way is None or way.z is None else way.z)
+    by = None if way is None else way.by
     needed = value + by * unit if value is not None and by is not None else None
     return Culprit(one.kind, one.name, one.side, space.spec.place(_path(one)), value, needed, by)
 
 
-def _value(space: DesignSpace, one: Limit) -> tuple[float | None, float]:
+def _value(space: DesignSpace, one: Limit, z: tuple[float, ...]) -> tuple[float | None, float]:
     """The value of a condition, and what a loosening of 1 adds to it; None where the reach alone knows it."""
-    spec = space.spec
-    design = spec.design(spec.default_values())
+    spec, design = space.spec, space.design(np.array(z))
     sense = 1.0 if one.side == "at_most" else -1.0
     if one.kind == "bound":
         demand = next(demand for demand in design.demands if demand.name == one.name)

@@ -35,23 +35,33 @@ class WayOut:
     ones: tuple[Limit, ...]
 
 
+@dataclass(frozen=True)
+class Way:
+    """The least loosening with which a design is found, or the greatest scale, and the design there."""
+
+    by: float
+    z: tuple[float, ...] | None = None
+    """Scaled; None where nothing that is told of the way hangs on it."""
+
+
 def conflicts_without(space: DesignSpace, one: Without, _: Progress | None = None) -> bool:
     """Whether no design is found though some conditions are left out."""
     return not look(space, one.place, dict.fromkeys(one.ones, inf)).found
 
 
-def least_way(space: DesignSpace, way: WayOut, _: Progress | None = None) -> float | None:
+def least_way(space: DesignSpace, way: WayOut, _: Progress | None = None) -> Way | None:
     """The least loosening, or the greatest scale, with which a design is found; None where none does it."""
-    if not way.ones:
-        return largest_scale(space, way.place)
-    return loosened(space, way.place, way.ones)
+    if way.ones:
+        return loosened(space, way.place, way.ones)
+    scale = largest_scale(space, way.place)
+    return None if scale is None else Way(scale)
 
 
 CONFLICT = Task("what conflicts", conflicts_without, problem_of)
-GIVE_WAY = Task("what would have to give way", least_way, problem_of)
+GIVE_WAY = Task("what would have to give way", least_way, problem_of, (Way,))
 
 
-def loosened(space: DesignSpace, place: Place, ones: Sequence[Limit]) -> float | None:
+def loosened(space: DesignSpace, place: Place, ones: Sequence[Limit]) -> Way | None:
     """By how much these must be loosened, all by the same part, for a design to be found.
 
     None where no loosening does it.
@@ -60,9 +70,10 @@ def loosened(space: DesignSpace, place: Place, ones: Sequence[Limit]) -> float |
     if not free.found:
         return None
     if any(one.kind == "joint" for one in ones):
-        return _enclosed(space, place, ones)
+        by = _enclosed(space, place, ones)
+        return None if by is None else Way(by)
     solved = look(space, free.at, dict.fromkeys(ones, inf), tuple(ones))
-    return solved.factor if solved.found else None
+    return Way(solved.factor, solved.at.z) if solved.found else None
 
 
 def _enclosed(space: DesignSpace, place: Place, ones: Sequence[Limit]) -> float | None:

@@ -66,9 +66,14 @@ class _Move:
 def find_limits(
     space: DesignSpace, found: Attained, workers: Workers, progress: Progress | None = None
 ) -> tuple[Limit, ...]:
-    """Each thing that binds at an optimum, with its prices, the largest gain first."""
+    """Each thing that binds at an optimum, with its prices, the largest gain first.
+
+    A solve that ran out of subproblems has no prices: what moving a bound gains, going on would gain too.
+    """
     fit = fit_finely(space, found.end, found.learnt)
     bindings = list(_bindings(fit, found))
+    if found.exhausted:
+        return tuple(sorted((binding.limit for binding in bindings), key=_order))
     shifts = [shift for binding in bindings for shift in (binding.loosened, binding.tightened)]
     movable = list(dict.fromkeys(shift for shift in shifts if shift is not None and fit.problem.has_factor))
     moves = [_Move(found.end, found.learnt, shift) for shift in movable]
@@ -154,7 +159,8 @@ def _goal_bindings(fit: Fit, found: Attained) -> Iterator[_Binding]:
     objective, problem = fit.objective, fit.problem
     point = problem.layout.unpack(problem.start)
     rows = objective.rows(problem.machine(point.design), point)
-    gaps = rows - objective.on_factor * (found.factor if problem.has_factor else 0.0)
+    factor = found.factor * found.unit / objective.unit if problem.has_factor else 0.0
+    gaps = rows - objective.on_factor * factor
     goals = {goal.name: abs(goal.goal) for goal in fit.space.design(point.design).goals}
     binding: dict[str, None] = {}
     for owner, gap in zip(objective.owners, gaps, strict=True):
@@ -173,8 +179,8 @@ def _priced(found: Attained, binding: _Binding, factors: Mapping[_Shift | None, 
     if any(factor is not None and math.isnan(factor) for factor in (looser, tighter)):
         return binding.limit
     noise = ROUNDING * found.unit
-    gain = None if looser is None else _price(best - looser * found.unit, noise)
-    cost = None if tighter is None else _price(tighter * found.unit - best, noise)
+    gain = None if looser is None else _price(best - looser, noise)
+    cost = None if tighter is None else _price(tighter - best, noise)
     return replace(binding.limit, gain=gain, cost=cost)
 
 
@@ -184,22 +190,22 @@ def _price(price: float, noise: float) -> float:
 
 
 def factor_moved(space: DesignSpace, move: _Move, _: Progress | None = None) -> float | None:
-    """The factor with one thing moved; None where nothing feasible is near, NaN where that is left open."""
+    """λ with one thing moved; None where nothing feasible is near, NaN where that is left open."""
     shift, limits = move.shift, move.end.limits(space)
     if shift.variable is not None:
         limits = replace(limits, design=_moved(limits.design, *shift.variable))
-    problem = fit_at(
+    fit = fit_at(
         space,
         move.end,
         move.learnt,
         limits=limits,
         shifts=dict([shift.goal]) if shift.goal else None,
         relaxed=dict([shift.condition]) if shift.condition else None,
-    ).problem
-    solved = minimise(problem, problem.start, most=SUBPROBLEMS, radius=0.05)
+    )
+    solved = minimise(fit.problem, fit.problem.start, most=SUBPROBLEMS, radius=0.05)
     if solved.ending is Ending.EXHAUSTED:
         return math.nan
-    return float(solved.factor) if solved.violation <= FEASIBLE else None
+    return float(solved.factor) * fit.objective.unit if solved.violation <= FEASIBLE else None
 
 
 PRICE = Task("what limits it", factor_moved, problem_of)

@@ -58,11 +58,6 @@ class Aims:
         return tuple(dict.fromkeys([*self._theirs, *map(_extreme, self._bounds)]))
 
     @property
-    def reversed(self) -> frozenset[Extreme]:
-        """Of the goals' extremes."""
-        return self.goals.reversed & set(self._theirs)
-
-    @property
     def on_factor(self) -> Array:
         """1 for what is loosened."""
         rows = len(self._bounds) + len(self._ends) + int(self._moved.sum()) + self.largest

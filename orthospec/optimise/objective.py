@@ -26,8 +26,8 @@ from orthospec.workspace.machine import Machine
 if TYPE_CHECKING:
     from orthospec.arrays import Array
 
-BUMP = 1e-6
-"""Relative change of an extreme that shows in which direction a goal wants it."""
+LEAST = 1e-12
+"""A weight that varies is told from 0 down to this part of what it was where a solve began."""
 LEAD = 0.01
 """How much shorter the other joints' ranges are made in the row in which one joint leads."""
 
@@ -47,7 +47,6 @@ class Learnt:
     """What an objective learns where a solve begins: see `GoalObjective.settle`."""
 
     sizes: tuple[float, ...]
-    reversed: tuple[Extreme, ...]
 
 
 class GoalObjective:
@@ -74,7 +73,6 @@ class GoalObjective:
         self._weights = np.array([design.goals[row.goal].weight for row in self._rows])
         self._sizes = np.array([abs(design.goals[row.goal].goal) or 1.0 for row in self._rows])
         self.owners = tuple(design.goals[row.goal].name for row in self._rows)
-        self.reversed: frozenset[Extreme] = frozenset()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -98,34 +96,21 @@ class GoalObjective:
         return np.where(self._weights > 0, 0.0, self._sizes)
 
     def settle(self, machine: Machine, point: Point) -> None:
-        """Learn from the start what cannot be known before: sizes of goals at 0, senses of extremes.
-
-        A goal at 0 has no size of its own and takes that of its value. An extreme that some row wants worse
-        than it is needs a row of its own.
-        """
+        """Learn from the start the sizes of goals at 0, which have none but that of their values."""
         goals = self._space.design(point.design).goals
         values = np.abs(self.rows(machine, point))
         at_zero = np.array([goals[row.goal].goal == 0 for row in self._rows], dtype=bool)
         usable = at_zero & np.isfinite(values) & (values > 0)
         self._sizes = np.where(usable, values, self._sizes)
-        own = np.array([row.leader is None for row in self._rows], dtype=bool)
-        found = set()
-        for e, extreme in enumerate(self.extremes):
-            values = point.extremes.copy()
-            values[e] += BUMP * max(abs(values[e]), 1e-6)
-            change = self.rows(machine, point._replace(extremes=values)) - self.rows(machine, point)
-            if (extreme.sign * change[own] < 0).any():
-                found.add(extreme)
-        self.reversed = frozenset(found)
 
     @property
     def learnt(self) -> Learnt:
         """What was learnt at the start, to be handed on."""
-        return Learnt(tuple(map(float, self._sizes)), tuple(e for e in self.extremes if e in self.reversed))
+        return Learnt(tuple(map(float, self._sizes)))
 
     def recall(self, learnt: Learnt) -> None:
         """Take over what another objective of the same goals has learnt at its start."""
-        self._sizes, self.reversed = np.array(learnt.sizes), frozenset(learnt.reversed)
+        self._sizes = np.array(learnt.sizes)
 
     def rows(self, machine: Machine, point: Point) -> Array:
         """The rows g (r,); NaN where a goal has no value."""
@@ -136,13 +121,15 @@ class GoalObjective:
         indices: dict[int | None, Mapping[str, float]] = {None: self._indices(machine, point, None)}
         indices |= {joint: self._indices(machine, point, joint) for joint in range(self._joints)}
         found = []
-        for row in self._rows:
+        for row, weight in zip(self._rows, self._weights, strict=True):
             goal = design.goals[row.goal]
-            f = _value(design, row.piece, indices[row.leader], point.scale, known)
+            f = _piece_value(design, row, indices[row.leader], point.scale, known)
             if row.leader is not None:
                 # A goal that falls as ranges grow has no kink of this kind: its row may not be tightened.
-                f = min(f, _value(design, row.piece, indices[None], point.scale, known))
-            found.append(row.sign * (f - goal.goal) - self._shifts.get(goal.name, 0.0))
+                f = min(f, _piece_value(design, row, indices[None], point.scale, known))
+            excess = row.sign * (f - goal.goal) - self._shifts.get(goal.name, 0.0)
+            # A weight that varies with the design: its row is told as with the weight of where this began.
+            found.append(excess * (weight / max(goal.weight, LEAST * weight)) if weight > 0 else excess)
         return np.array(found)
 
     def _indices(self, machine: Machine, point: Point, leader: int | None) -> Mapping[str, float]:
@@ -167,6 +154,19 @@ def goal_values(design: Design, evaluation: Evaluation) -> dict[str, float]:
     return {
         goal.name: _value(design, goal.expression, evaluation.indices, scale, values) for goal in design.goals
     }
+
+
+def _piece_value(
+    design: Design,
+    row: _Row,
+    indices: Mapping[str, float],
+    scale: float,
+    extremes: Mapping[tuple[str, str], float],
+) -> float:
+    """A piece's value; where it has none, as ``sqrt(x)`` of ``sqrt(max(0, x))``, that of the whole goal."""
+    value = _value(design, row.piece, indices, scale, extremes)
+    whole = design.goals[row.goal].expression
+    return value if np.isfinite(value) else _value(design, whole, indices, scale, extremes)
 
 
 def _value(

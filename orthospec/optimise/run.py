@@ -155,7 +155,13 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
         best.taken if best is not None else (),
     )
     errors = [*known.errors, *sweep.errors, *(error for point in front for error in point.errors)]
-    notes = [*_notes_of(spec), *known.notes, *sweep.notes, *(note for point in front for note in point.notes)]
+    notes = [
+        *_notes_of(spec),
+        *_notes_on(spec, best),
+        *known.notes,
+        *sweep.notes,
+        *(note for point in front for note in point.notes),
+    ]
     finding = Finding(
         status,
         design,
@@ -174,6 +180,17 @@ def solve(spec: Spec, *, progress: Progress | None = None, workers: Workers | No
 def _notes_of(spec: Spec) -> list[Note]:
     """What is odd about the spec itself."""
     return [Note("variables", odd.place, odd.message) for odd in spec.oddities()]
+
+
+def _notes_on(spec: Spec, best: Attained | None) -> list[Note]:
+    """That the solve which was kept did not come to its end."""
+    if best is None or not best.exhausted:
+        return []
+    said = (
+        f"given up after {best.subproblems} subproblems, on the way: designs near it may be better, and"
+        " prices are not known; start from it, or give more starts"
+    )
+    return [Note("optimise", spec.place(("optimise",)), said)]
 
 
 class _Ending(NamedTuple):

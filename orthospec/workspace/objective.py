@@ -27,10 +27,6 @@ class Objective(Protocol):
         """The extremes that the rows depend on."""
 
     @property
-    def reversed(self) -> frozenset[Extreme]:
-        """Those of them that some row wants worse: they must not exceed what the cuboid really has."""
-
-    @property
     def on_factor(self) -> Array:
         """(r,), 0 for a hard row."""
 
@@ -43,12 +39,13 @@ class Objective(Protocol):
 
 
 def wanted_worse(objective: Objective, machine: Machine, point: Point) -> frozenset[Extreme]:
-    """The extremes that a row wants worse which has a part in the next step.
+    """The extremes that a row wants worse which has a part in the next step: they need a row of their own.
 
+    Which these are hangs on where the step begins: past its turning point a goal wants the contrary.
     ``match`` has a row for each side, of which one is idle. Held from both sides an extreme could not move
     but with the pose where it is now: where several tie, all directions but a few are blocked.
     """
-    if not objective.reversed:
+    if not objective.extremes:
         return frozenset()
     g, soft, hard = objective.rows(machine, point), objective.on_factor, objective.on_slack
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -59,6 +56,6 @@ def wanted_worse(objective: Objective, machine: Machine, point: Point) -> frozen
         moved = point.extremes.copy()
         moved[k] += extreme.sign * BUMP * (abs(moved[k]) or 1.0)
         falls = objective.rows(machine, point._replace(extremes=moved)) < g
-        if extreme in objective.reversed and (acts & falls).any():
+        if (acts & falls).any():
             found.add(extreme)
     return frozenset(found)

@@ -35,7 +35,6 @@ class LargestScale:
     """The objective −μ."""
 
     extremes: tuple[Extreme, ...] = ()
-    reversed: frozenset[Extreme] = frozenset()
 
     @property
     def on_factor(self) -> Array:
