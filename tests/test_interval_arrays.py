@@ -267,6 +267,23 @@ REFUSED = {
 }
 
 
+@pytest.mark.parametrize("size", [1e-85, 1e-100, 1e-170])
+@pytest.mark.parametrize("function", [lambda A: np.linalg.svd(A, compute_uv=False), np.linalg.eigvalsh])
+def test_of_matrices_whose_squares_underflow_nothing_escapes(function, size):
+    boxes = boxes_of(0.1)
+    matrices = np.random.default_rng(3).normal(size=(N, 3, 3))
+    matrices = size * (matrices + np.swapaxes(matrices, 1, 2))
+
+    def values(poses):
+        return function(matrices * (1 + poses[:, 0, None, None]))
+
+    found = values(boxes.poses)
+    for poses in points_of(boxes, 4):
+        exact = size * function(matrices / size * (1 + poses[:, 0, None, None]))
+        assert (found.lo <= exact + 1e-14 * size).all()
+        assert (found.hi >= exact - 1e-14 * size).all()
+
+
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_is_not_served_is_refused_and_never_passed_over(name):
     function, words = REFUSED[name]

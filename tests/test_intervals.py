@@ -200,6 +200,21 @@ def test_boxes_that_are_moved_keep_the_coordinates_of_those_that_they_were():
         there.poses[0] = 0.0
 
 
+@pytest.mark.parametrize(
+    ("function", "exact", "low", "high"),
+    [
+        (np.sqrt, mpmath.sqrt, 1e-172, 1e-150),
+        (lambda x: x**2.5, lambda x: x ** mpmath.mpf("2.5"), 1e-110, 1e-90),
+        (np.arccos, mpmath.acos, 1 - 1e-7, 1.0),
+        (np.arcsin, mpmath.asin, 1 - 1e-7, 1.0),
+    ],
+)
+def test_where_squares_underflow_and_where_a_slope_has_no_end_nothing_escapes(function, exact, low, high):
+    lo, hi = intervals(0, 400, low, high)
+    found = function(Boxes(lo[:, None], hi[:, None]).poses[:, 0])
+    assert escapes(found, inside(lo, hi, 1), exact) == 0
+
+
 def test_forms_converge_quadratically():
     def excess(width):
         boxes = Boxes(np.array([[0.3, 0.4]]), np.array([[0.3 + width, 0.4 + width]]))

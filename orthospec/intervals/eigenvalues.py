@@ -18,7 +18,7 @@ from orthospec.intervals import ends, rearranging
 from orthospec.intervals.functions import matmul
 from orthospec.intervals.interval import Interval, as_interval
 from orthospec.intervals.linear import Linear
-from orthospec.intervals.rounding import FEW, SPARE, TINY, ULP
+from orthospec.intervals.rounding import FEW, SPARE, TINIEST, TINY, ULP
 
 if TYPE_CHECKING:
     from orthospec.arrays import Array, Flags
@@ -188,7 +188,7 @@ def _moving_as(diagonal: Interval, turned: Interval, apart: Array, theta: Array)
     below = diagonal.lo[..., 1:] - np.maximum.accumulate(hi[..., :-1], axis=-1)
     gap[..., 1:] = np.minimum(gap[..., 1:], below)
     magnitude = _off_diagonal(turned)
-    squares = np.sum(magnitude * magnitude, axis=-1)
+    squares = np.sum(magnitude * magnitude, axis=-1) + TINIEST * magnitude.shape[-1]
     size = np.maximum(np.abs(lo), np.abs(hi))
     form = diagonal.form_over(turned.coordinates)
     rest = np.where(gap > 0, squares / gap + theta * size, np.nan)
@@ -201,7 +201,11 @@ def _off_diagonal(x: Interval) -> Array:
 
 
 def _frobenius(matrices: Array) -> Array:
-    return np.asarray(np.sqrt(np.einsum("...ij,...ij->...", matrices, matrices)) * SPARE)
+    """A bound on the norm; squares that underflow are allowed for."""
+    squares = (
+        np.einsum("...ij,...ij->...", matrices, matrices) + TINIEST * matrices.shape[-2] * matrices.shape[-1]
+    )
+    return np.asarray(np.sqrt(squares) * SPARE)
 
 
 def _ratio(A: Interval, spectrum: Interval) -> Interval:

@@ -66,8 +66,8 @@ def negative(x: Linear) -> Linear:
 def taylor(x: Linear, within: Ends, value: Array, slope: Array, bend: Ends) -> Linear:
     """f(x) from f(c), f'(c) and the range of f''/2 over all of x and c; x lies ``within`` an interval."""
     spread = np.minimum(x.spread, np.maximum(within[1] - x.c, x.c - within[0]) * SPARE + TINY)
-    square = spread * spread * SPARE
-    lo, hi = np.minimum(bend[0], 0.0) * square, np.maximum(bend[1], 0.0) * square
+    # Not the square of the spread, which may underflow where the bend is large.
+    lo, hi = (end * spread * spread * SPARE for end in (np.minimum(bend[0], 0.0), np.maximum(bend[1], 0.0)))
     size = np.abs(value) + np.abs(slope) * (spread + x.spread) + (hi - lo)
     rest = np.abs(slope) * x.r + (hi - lo) / 2
     return rounded(value + (lo + hi) / 2, slope[..., None] * x.g, rest, size)

@@ -257,14 +257,14 @@ _TABLE: Mapping[np.ufunc, Callable[..., Any]] = {
     np.arcsin: _smooth(
         ends.arcsin,
         np.arcsin,
-        lambda c: 1 / np.sqrt(1 - c * c),
-        lambda h: tuple(end / (2 * np.power(1 - end * end, 1.5)) for end in h),
+        lambda c: 1 / np.sqrt((1 - c) * (1 + c)),
+        lambda h: tuple(end / (2 * np.power((1 - end) * (1 + end), 1.5)) for end in h),
     ),
     np.arccos: _smooth(
         ends.arccos,
         np.arccos,
-        lambda c: -1 / np.sqrt(1 - c * c),
-        lambda h: tuple(-end / (2 * np.power(1 - end * end, 1.5)) for end in h[::-1]),
+        lambda c: -1 / np.sqrt((1 - c) * (1 + c)),
+        lambda h: tuple(-end / (2 * np.power((1 - end) * (1 + end), 1.5)) for end in h[::-1]),
     ),
     np.sinh: _smooth(ends.sinh, np.sinh, np.cosh, lambda h: (0.5 * np.sinh(h[0]), 0.5 * np.sinh(h[1]))),
     np.cosh: _smooth(ends.cosh, np.cosh, np.sinh, lambda h: ends.multiply(ends.cosh(h), _constant(0.5))),
