@@ -72,6 +72,8 @@ def attain_goals(
 ) -> Solution:
     """Attain goals on smooth functions from one start; `Solution.factor` is λ.
 
+    What is found is a point from which no step of first order gains: started on a crest or a saddle it stays.
+
     functions(x) gives the k objective values at x (n,); goals and weights (k,), lower and upper (n,) or one
     number for all. Variables should be of order 1: the trust region is a box in x as it comes.
 

@@ -235,7 +235,8 @@ def minimise(
             on_iterate(state.here, state.history[-1])
     if state.here.violation > FEASIBLE and state.feasible is not None:
         # Better a feasible point that was left for a better merit than a worse one that is not feasible.
-        ending, state.here = Ending.STALLED, state.feasible
+        ending = ending if ending is Ending.EXHAUSTED else Ending.STALLED
+        state.here = state.feasible
     here = state.here
     return Solution(
         here.x,
