@@ -177,6 +177,23 @@ class TestKindsOfGoals:
         assert scale == pytest.approx(leg / LEG, rel=1e-7)
         assert 1.5 - scale == pytest.approx((leg - 0.3) / 0.1, abs=1e-7)
 
+    def test_the_scale_that_is_told_is_of_the_cuboid_over_which_the_other_goals_are(self, cube):
+        """The largest cuboid for the bounds alone is larger, and its measure worse than asked for."""
+        even = "  even: {minimise: highest(transmission), goal: 1.5, weight: 0}"
+        finding = cube("  big: {maximise: scale, goal: 1.9}\n" + even, size=0.1, most=0.31)
+        told, evaluation = finding.attainment.goals, finding.evaluation
+        assert finding.status == "compromise"
+        assert told["even"].value == pytest.approx(1.5, rel=1e-8)
+        assert told["big"].value == evaluation.prescribed.scale < evaluation.joint.scale - 0.1
+        assert finding.attainment.factor == pytest.approx(1.9 - evaluation.prescribed.scale, rel=1e-9)
+
+    def test_a_design_evaluated_for_its_scale_is_measured_over_the_cuboid_of_that_scale(self, spec_of):
+        text = SHORTEST.replace("l: {minimise: leg, goal: 0.3}", "l: {maximise: scale, goal: 2}")
+        found = evaluate_spec(spec_of(text), {"leg": 1.2 * LEG}).finding
+        assert found.attainment.goals["l"].value == pytest.approx(1.2, rel=1e-8)
+        assert found.evaluation.prescribed.cuboid == found.evaluation.joint.cuboid
+        assert found.evaluation.measures["transmission"].highest.value == pytest.approx(2.0, rel=1e-7)
+
     def test_hard_goals_alone_have_no_factor(self, cube):
         finding = cube("  legs: {minimise: leg, goal: 320 mm, weight: 0}")
         assert finding.status == "attained"

@@ -129,6 +129,15 @@ CHANGES = {
         "minimise: base, goal: 1.3", "minimise: base, goal: 0, weight: relative",
         ["18:48: 'relative' has no meaning at goal 0; give the weight as a number"],
     ),
+    "a goal without a value": (
+        "minimise: base, goal: 1.3", "minimise: log(base - 5), goal: 1.3",
+        ["18:3: 'log(base - 5)' has no value at base = 2: a root, logarithm or power that does not exist,"
+         " and so at every other design tried"],
+    ),
+    "a weight that is below 0 everywhere": (
+        "minimise: base, goal: 1.3", "minimise: base, goal: 1.3, weight: base - 4",
+        ["18:3: the weight of goal base_legs is -2 here, and so at every other design tried"],
+    ),
     "a goal on an unknown index": (
         "minimise: base", "minimise: strok", ["18:25: unknown name 'strok'; did you mean 'stroke'?"],
     ),

@@ -8,7 +8,9 @@ import pytest
 from orthospec.manipulators.orthoglide import Orthoglide
 from orthospec.measures import Demand
 from orthospec.measures.kinematic import ConditionNumber, Manipulability, VelocityTransmission
+from orthospec.workspace.critical import lattice
 from orthospec.workspace.cuboid import Cuboid
+from orthospec.workspace.evaluate import Setting, evaluate
 from orthospec.workspace.fit import Machine
 from orthospec.workspace.polish import polish
 
@@ -154,3 +156,14 @@ def test_manipulability_holds_on_a_fine_lattice_and_could_not_grow(least):
         poses = larger.poses(u, 3)
         reached = held.manipulator.inverse_kinematics(poses)[1]
         assert not reached.all() or Manipulability().values(held.manipulator, poses).min() < least
+
+
+@pytest.mark.parametrize("divisions", [10, 40])
+def test_what_stops_a_hair_beyond_a_bound_is_not_lost(divisions):
+    """Next to a singular corner the derivatives leave the reach; the grid's own cuboid has scale 1."""
+    slow = machine(Demand("it", VelocityTransmission(), {"at_least": 0.65}), lengths=(1.4475348,) * 3)
+    found = evaluate(slow, Setting(np.array([1.0, 1.0, 0.8]), divisions)).joint
+    assert found.scale == pytest.approx(1.02399727, rel=1e-7)
+    corners = found.cuboid.poses(lattice(2, 3), 3)
+    slowest = VelocityTransmission().values(slow.manipulator, corners)[:, 0].min()
+    assert slowest == pytest.approx(0.65, rel=1e-6)

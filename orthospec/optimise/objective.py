@@ -150,7 +150,8 @@ def goal_values(design: Design, evaluation: Evaluation) -> dict[str, float]:
     for name, record in evaluation.measures.items():
         for kind, extreme in (("lowest", record.lowest), ("highest", record.highest)):
             values[kind, name] = extreme.value if extreme is not None else np.nan
-    scale = evaluation.joint.scale if evaluation.joint is not None else np.nan
+    # That of the cuboid over which all else is told: with other goals beside it, the largest one is larger.
+    scale = evaluation.prescribed.scale if evaluation.prescribed is not None else np.nan
     return {
         goal.name: _value(design, goal.expression, evaluation.indices, scale, values) for goal in design.goals
     }

@@ -69,6 +69,7 @@ def _checked(document: Document, source: str, taken: Solved | None) -> Spec:
     built = trials.build(draft, machine, variables) if machine else None
     for plan in demands:
         trials.build(draft, plan.blueprint, variables)
+    trials.check_goals(draft, goals, variables)
     if built is not None:
         trials.check_machine(draft, built, demands, goals)
         trials.check_tolerances(draft, built, tolerances)

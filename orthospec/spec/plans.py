@@ -89,6 +89,6 @@ class GoalPlan:
         """The goal at these values of the variables; raises `ExpressionError`."""
         goal = value_at(self.goal, values)
         weight = abs(goal) if self.weight is None else value_at(self.weight, values)
-        if weight < 0 or (weight == 0 and self.weight is None):
+        if weight < 0 or (weight == 0 and not isinstance(self.weight, float)):
             raise ExpressionError(f"the weight of goal {self.name} is {weight:g} here")
         return Goal(self.name, self.sense, self.expression, goal, weight, self.place)

@@ -64,6 +64,25 @@ def check_machine(
                 draft.wrong(("goals", goal.name, goal.sense), message)
 
 
+def check_goals(draft: Draft, goals: Sequence[GoalPlan], variables: Mapping[str, Variable]) -> None:
+    """A mistake for a goal over variables that has no value, or no weight, at any design tried."""
+    for plan in goals if draft.names == variables.keys() else ():
+        alone, why = plan.depends_on_only(variables.keys()), None
+        weighed = plan.goal if plan.weight is None else plan.weight
+        for values in _points(draft, variables):
+            try:
+                if isinstance(weighed, Expression):
+                    plan.at(values)
+                if alone:
+                    plan.expression.value(values)
+            except ExpressionError as error:
+                why = why or str(error)
+            else:
+                break
+        else:
+            draft.wrong(("goals", plan.name), f"{why}, and so at every other design tried", at_key=True)
+
+
 def check_tolerances(draft: Draft, machine: Manipulator, tolerances: Mapping[str, float]) -> None:
     """A mistake where a number could be off by all that it is: no such machine can be built."""
     for name, tolerance in tolerances.items():

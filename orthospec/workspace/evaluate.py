@@ -49,6 +49,8 @@ class Setting:
     region: Cuboid | None = None
     together: bool = True
     poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    grows: bool = False
+    """Whether the prescribed cuboid is to be as large as may be, and stands where the largest one does."""
 
 
 @dataclass(frozen=True)
@@ -181,8 +183,9 @@ def enlarged(
 ) -> Evaluation:
     """The evaluation with cuboids larger than those told, polished from these, by measure ("": joint).
 
-    What is new is without a proof. A prescribed cuboid that does not hold is centred on the new largest one;
-    any other stays where it stands. The same evaluation where none of these leads to a larger one.
+    What is new is without a proof. A prescribed cuboid that does not hold, or is the one that was largest, is
+    placed by the new one; any other stays where it stands. The same evaluation where none of these leads to a
+    larger one.
     """
     measures = evaluation.measures
     joint, own = evaluation.joint, {n: r.largest for n, r in measures.items() if r.largest is not None}
@@ -200,9 +203,8 @@ def enlarged(
         after = replace(before, scale=found.scale, cuboid=found.cuboid, proof=None, proved=None)
         joint = joint if name else after
         own.update(dict.fromkeys(names if len(names) == 1 else (), after))
-        if name in standing and not standing[name].holds:
-            place = Cuboid.around(found.cuboid.centre, setting.size)
-            standing[name] = _stand(machine, setting, place, name)
+        if name in standing and (not standing[name].holds or standing[name].cuboid == before.cuboid):
+            standing[name] = _stand(machine, setting, _place(setting, found.cuboid), name)
     if not grown:
         return evaluation
     cuboids = _Cuboids(joint, own, {name: record.levels for name, record in measures.items()})
@@ -280,10 +282,13 @@ def _places(setting: Setting, joint: Largest | None, own: Mapping[str, Largest])
     """The prescribed cuboids, each centred on its largest one."""
     found = {"": joint} if joint is not None else own
     return {
-        name: Cuboid.around(record.cuboid.centre, setting.size)
-        for name, record in found.items()
-        if record.cuboid is not None
+        name: _place(setting, record.cuboid) for name, record in found.items() if record.cuboid is not None
     }
+
+
+def _place(setting: Setting, largest: Cuboid) -> Cuboid:
+    """Where the prescribed cuboid stands that nothing else has placed."""
+    return largest if setting.grows else Cuboid.around(largest.centre, setting.size)
 
 
 def _stand(machine: Machine, setting: Setting, place: Cuboid, name: str) -> Prescribed:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orthospec.composite.trust_region import FEASIBLE, minimise
+from orthospec.composite.trust_region import FEASIBLE, Assessment, minimise
 from orthospec.workspace.conditions import Extreme
 from orthospec.workspace.cuboid import Cuboid
 from orthospec.workspace.fit import FitProblem, Group
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 SMALLEST = 1e-3
 """The scale that a cuboid of a single node is given to start from."""
+SHRUNK = (1e-9, 1e-8, 1e-7, 1e-6, 1e-4)
+"""Parts by which the last cuboid of a loop is made smaller where it is a hair too large."""
 SHRINKINGS = 12
 """How often a start is shrunk."""
 
@@ -76,11 +78,29 @@ def polish(
     forms = forms or Forms()
     for start in starts:
         for problem in _problems(machine, names, size, start, region, forms):
-            found = minimise(problem, problem.start)
+            found = _grown(problem)
             if found.violation <= FEASIBLE:
                 if best is None or -found.factor > best.scale:
                     best = Polished(-found.factor, problem.cuboids(found.x)[0])
                 break
+    return best
+
+
+def _grown(problem: FitProblem) -> Assessment:
+    """The end of a solve; where that went back to a point before, what is left of its last one if shrunk.
+
+    Next to a singular pose, or with a derivative out of reach, a loop may stop a hair beyond a bound.
+    """
+    trace: list[Assessment] = []
+    found = minimise(problem, problem.start, on_iterate=lambda here, _: trace.append(here))
+    best = Assessment(found.x, found.factor, found.violation)
+    if not trace or trace[-1].violation <= FEASIBLE or not np.isfinite(trace[-1].violation):
+        return best
+    point = problem.layout.unpack(trace[-1].x)
+    for part in SHRUNK:
+        smaller = problem.assess(problem.layout.pack(point._replace(scale=(1 - part) * point.scale)))
+        if smaller.violation <= FEASIBLE:
+            return smaller if best.violation > FEASIBLE or smaller.factor < best.factor else best
     return best
 
 
