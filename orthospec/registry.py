@@ -84,6 +84,10 @@ def _find(group: str, name: str, base: type[_Base]) -> type[_Base]:
     if inspect.isabstract(found):
         lacks = ", ".join(sorted(getattr(found, "__abstractmethods__", ())))
         raise PluginFault(name, f"{owner.target} of {owner.distribution} does not define {lacks}")
+    undeclared = [one for one in base.__annotations__ if one[0] != "_" and not hasattr(found, one)]
+    if undeclared:
+        lacks = ", ".join(undeclared)
+        raise PluginFault(name, f"{owner.target} of {owner.distribution} does not declare {lacks}")
     return found
 
 

@@ -53,6 +53,47 @@ class Lacking(Orthoglide):
         return {name: one for name, one in super().indices(joint_ranges).items() if name != "stroke"}
 
 
+class Numbered(Orthoglide):
+    """Numbers for flags, which would be taken for the places of poses."""
+
+    def inverse_kinematics(self, poses: Any) -> Any:
+        """The flags as integers."""
+        joints, reachable = super().inverse_kinematics(poses)
+        return joints, reachable.astype(int)
+
+
+class Flagless(Orthoglide):
+    """Joints alone, of which the second would be taken for the flags."""
+
+    def inverse_kinematics(self, poses: Any) -> Any:
+        """No flags."""
+        return super().inverse_kinematics(poses)[0]
+
+
+class Columns(Orthoglide):
+    """Margins as columns."""
+
+    def reach(self, poses: Any) -> Any:
+        """Each (n, 1)."""
+        return {name: margin[:, None] for name, margin in super().reach(poses).items()}
+
+
+@pytest.mark.parametrize(
+    ("machine", "said"),
+    [
+        (Numbered, "inverse_kinematics gave no flags beside the joints"),
+        (Flagless, "inverse_kinematics gave no flags beside the joints"),
+        (Columns, r"reach gave shape \(\d+, 1\) of float64 for"),
+    ],
+)
+def test_what_the_reach_is_known_by_has_its_form(
+    spec_of: Callable[..., Spec], monkeypatch: pytest.MonkeyPatch, machine: type[Orthoglide], said: str
+) -> None:
+    monkeypatch.setattr(registry, "find_manipulator", lambda _: machine)
+    with pytest.raises(PluginFault, match=said):
+        evaluate_spec(spec_of(SPEC))
+
+
 @pytest.fixture
 def evaluated(
     spec_of: Callable[..., Spec], monkeypatch: pytest.MonkeyPatch

@@ -417,6 +417,17 @@ def test_a_wrong_setting_is_told_by_its_own_words(override: str, message: str, t
     assert mistakes(SPEC, tmp_path, override) == [f"--set {override}: {message}"]
 
 
+def test_a_measure_in_metres_a_second_is_refused_where_joints_turn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Orthoglide, "joint_units", ("rad", "rad", "rad"))
+    spec = SPEC.replace("    at_least: 0.5\n", "    speed: 1 m/s\n").replace(
+        "velocity_transmission", "joint_speed"
+    )
+    (told,) = mistakes(spec, tmp_path)
+    assert "joint_speed needs the machine's sliding joints, and orthoglide offers none" in told
+
+
 class Elastic(ConditionNumber):
     needs: ClassVar[frozenset[str]] = frozenset({"compliance", "actuator_forces"})
 

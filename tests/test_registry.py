@@ -28,6 +28,10 @@ class Unfinished(Measure):
     unit = "m"
     sides = frozenset()
 
+class Undeclared(Measure):
+    def values(self, manipulator, poses):
+        return poses[:, 0]
+
 not_a_class = 3
 """
 
@@ -102,6 +106,7 @@ def test_a_distribution_found_twice_is_one_owner_the_first_on_the_path(site: Pat
         ("made_up_clearance:not_a_class", "is not a Measure class"),
         ("orthospec.manipulators.orthoglide:Orthoglide", "is not a Measure class"),
         ("made_up_clearance:Unfinished", "does not define values"),
+        ("made_up_clearance:Undeclared", "does not declare unit, sides"),
     ],
 )
 def test_a_broken_plugin_is_named_and_the_rest_works(site: Path, target: str, what: str) -> None:

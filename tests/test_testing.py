@@ -362,7 +362,7 @@ class Wrong:
 
 MACHINES = {
     "Undescribed": "field other has no description",
-    "Shape": "flags are owed",
+    "Shape": "gave no flags beside the joints",
     "Flags": r"at \(.*\) is called reachable though a margin is below 0",
     "Shy": r"at \(.*\) is called out of reach though all margins are above 0",
     "Gaps": r"joints are not finite at \(.*\), which is called reachable",

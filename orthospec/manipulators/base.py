@@ -209,7 +209,7 @@ def _faulting(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, An
         if lacks:
             raise PluginFault(type(self).__name__, f"{name} {lacks}")
         if name in _FIELDS:
-            _check_shape(self, name, value, len(argument))
+            _check_shape(self, name, value, argument)
         return value
 
     return faulting
@@ -255,7 +255,21 @@ def _of_reach_enclosure(machine: Any, boxes: Boxes, given: Any) -> str:
     return ""
 
 
+def _of_reach(_: Any, poses: Any, given: Any) -> str:
+    """What is wrong with margins at these poses."""
+    if not isinstance(given, Mapping) or not given:
+        return f"gave {type(given).__name__}, not a mapping of names to margins (n,)"
+    for name, margin in given.items():
+        if hasattr(margin, "lo"):
+            continue  # An interval's: over boxes, or of machines within tolerances.
+        shape, kind = np.shape(margin), np.asarray(margin).dtype
+        if not isinstance(margin, np.ndarray) or shape != (len(poses),) or kind.kind != "f":
+            return f"gave shape {shape} of {kind} for '{name}', not floats ({len(poses)},)"
+    return ""
+
+
 _OWED: Mapping[str, Callable[[Any, Any, Any], str]] = {
+    "reach": _of_reach,
     "indices": _of_indices,
     "skeleton": _of_skeleton,
     "reach_enclosure": _of_reach_enclosure,
@@ -263,14 +277,26 @@ _OWED: Mapping[str, Callable[[Any, Any, Any], str]] = {
 """What is wrong with what a method of a machine gives for its argument, in words; "" where nothing is."""
 
 
-def _check_shape(machine: Any, name: str, value: Any, n: int) -> None:
-    sizes = {"n": n, "m": len(machine.joint_units), "d": len(machine.axes), "6": 6}
+def _check_shape(machine: Any, name: str, value: Any, poses: Any) -> None:
+    sizes = {"n": len(poses), "m": len(machine.joint_units), "d": len(machine.axes), "6": 6}
     owed = tuple(sizes[axis] for axis in _FIELDS[name])
     array = value[0] if name == "inverse_kinematics" and isinstance(value, tuple) else value
     shape = getattr(array, "shape", None)
     if shape != owed:
         what = f"{name} gave shape {shape}" if shape is not None else f"{name} gave {type(array).__name__}"
         raise PluginFault(type(machine).__name__, f"{what}, not {owed}")
+    if name == "inverse_kinematics" and not _has_flags(value, len(poses)):
+        raise PluginFault(
+            type(machine).__name__, f"{name} gave no flags beside the joints: bools ({sizes['n']},)"
+        )
+
+
+def _has_flags(value: Any, n: int) -> bool:
+    """Whether it is told of each pose if it is reachable; nobody asks where the joints are intervals."""
+    joints, flags = value if isinstance(value, tuple) and len(value) == 2 else (value, None)
+    if hasattr(joints, "lo"):
+        return True
+    return isinstance(flags, np.ndarray) and flags.shape == (n,) and flags.dtype == bool
 
 
 Computed = TypeVar("Computed")

@@ -54,7 +54,7 @@ class Measure(Described, ABC):
     """No machine has a value below this: an upper bound there is a mistake."""
     needs: ClassVar[frozenset[str]] = frozenset()
     """What the machine must offer beside its kinematics: of "compliance", "joint_inertia",
-    "actuator_forces", "actuator_speeds"."""
+    "actuator_forces", "actuator_speeds"; and "sliding_joints", where the unit is right for these alone."""
 
     @abstractmethod
     def values(self, manipulator: Manipulator, poses: Poses) -> Array:

@@ -140,6 +140,7 @@ class JointSpeed(Measure):
     unit: ClassVar[str] = "m/s"
     sides: ClassVar[frozenset[str]] = frozenset({"at_most"})
     least: ClassVar[float] = 0.0
+    needs: ClassVar[frozenset[str]] = frozenset({"sliding_joints"})
 
     speed: Annotated[quantities.Speed, Field(gt=0)]
     """The tool's speed v [m/s]."""

@@ -97,7 +97,7 @@ def _check_need(draft: Draft, machine: Manipulator, plan: DemandPlan, need: str)
     what = need.replace("_", " ")
     if not _offers(machine, need):
         message = f"{plan.blueprint.use} needs the machine's {what}, and {_use(draft)} offers none"
-    elif missing := _missing(draft, machine, need):
+    elif need in _SERVED_BY and (missing := _missing(draft, machine, need)):
         message = f"{plan.blueprint.use} needs the machine's {what}: give {', '.join(missing)}"
     else:
         return
@@ -108,6 +108,8 @@ def _offers(machine: Manipulator, need: str) -> bool:
     """Whether the machine's class defines the optional method that serves a need."""
     from orthospec.manipulators import Manipulator
 
+    if need == "sliding_joints":
+        return set(machine.joint_units) == {"m"}
     method = _SERVED_BY.get(need)
     return method is None or getattr(type(machine), method) is not getattr(Manipulator, method)
 

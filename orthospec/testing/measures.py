@@ -93,7 +93,7 @@ class _Measure:
             f"sides are {sorted(measure.sides)}",
             "at_least, at_most or both",
         )
-        needs = {"compliance", "joint_inertia", "actuator_forces", "actuator_speeds"}
+        needs = {"compliance", "joint_inertia", "actuator_forces", "actuator_speeds", "sliding_joints"}
         expect(
             measure.needs <= needs,
             measure,
