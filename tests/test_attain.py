@@ -11,7 +11,7 @@ import pytest
 
 from orthospec import registry
 from orthospec.measures import Measure
-from orthospec.optimise import attain, evaluate_spec, run, solve
+from orthospec.optimise import attain, evaluate_spec, remembering, run, solve
 from orthospec.optimise.hunt import hunt
 from orthospec.optimise.space import DesignSpace
 from orthospec.optimise.tasks import Stopped
@@ -193,6 +193,18 @@ class TestKindsOfGoals:
         assert found.attainment.goals["l"].value == pytest.approx(1.2, rel=1e-8)
         assert found.evaluation.prescribed.cuboid == found.evaluation.joint.cuboid
         assert found.evaluation.measures["transmission"].highest.value == pytest.approx(2.0, rel=1e-7)
+
+    def test_what_is_kept_of_a_spec_without_a_goal_on_the_scale_does_not_serve_one_with_it(
+        self, spec_of, tmp_path
+    ):
+        """Its cuboid is another one, though machine and measures are the same."""
+        text = SHORTEST.replace("l: {minimise: leg, goal: 0.3}", "l: {maximise: scale, goal: 2}")
+        with remembering(Here(), tmp_path) as workers:
+            plain = evaluate_spec(spec_of(SHORTEST), {"leg": 1.2 * LEG}, workers=workers).finding
+            found = evaluate_spec(spec_of(text), {"leg": 1.2 * LEG}, workers=workers).finding
+        assert plain.evaluation.prescribed.scale == 1
+        assert found.evaluation.prescribed.cuboid == found.evaluation.joint.cuboid
+        assert found.attainment.goals["l"].value == pytest.approx(1.2, rel=1e-8)
 
     def test_hard_goals_alone_have_no_factor(self, cube):
         finding = cube("  legs: {minimise: leg, goal: 320 mm, weight: 0}")

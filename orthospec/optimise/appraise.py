@@ -11,6 +11,7 @@ import numpy as np
 from orthospec.errors import OrthospecError, PluginFault, WorkersLost
 from orthospec.measures import Level
 from orthospec.optimise.grid_parts import GridStates
+from orthospec.optimise.objective import scale_is_asked
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_measures
 from orthospec.optimise.workers import Workers, in_order
@@ -34,6 +35,8 @@ class Asked:
     divisions: float
     prescribed: tuple[tuple[str, Cuboid], ...] | None = None
     """Where the prescribed cuboids stand, by measure ("": the joint one); None: centred on the largest."""
+    grows: bool = False
+    """Whether a goal is about the scale: where nothing has placed it the prescribed cuboid is the largest."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class Appraisal:
 def asked(design: Design, divisions: float, prescribed: Mapping[str, Cuboid] | None = None) -> Asked:
     """What to ask for of a design."""
     places = None if prescribed is None else tuple(prescribed.items())
-    return Asked(tuple(design.values.values()), divisions, places)
+    return Asked(tuple(design.values.values()), divisions, places, scale_is_asked(design.goals))
 
 
 def asked_of_found(
@@ -91,7 +94,7 @@ def coarser_notes(space: DesignSpace, one: Asked) -> tuple[Note, ...]:
 
 def appraise(space: DesignSpace, one: Asked, progress: Progress | None = None) -> Appraisal:
     """Measure a design; a measure that fails is left out and named."""
-    setting = replace(space.setting, divisions=one.divisions)
+    setting = replace(space.setting, divisions=one.divisions, grows=one.grows)
     prescribed = None if one.prescribed is None else dict(one.prescribed)
     states_of = GridStates(space, one.values)
     faults: list[PluginError] = []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from orthospec.errors import PluginFault
-from orthospec.optimise.appraise import FRONT, SWEEP, Asked, asked_of_found, coarser_notes, error_of
+from orthospec.optimise.appraise import FRONT, SWEEP, asked, asked_of_found, coarser_notes, error_of
 from orthospec.optimise.limits import find_limits
 from orthospec.optimise.meet import soft_goals
 from orthospec.optimise.pareto import find_front
@@ -89,7 +89,8 @@ def sweep_of(space: DesignSpace, design: Design, workers: Workers, progress: Pro
         {**design.values, sweep.variable: float(value)}
         for value in np.linspace(sweep.start, sweep.stop, sweep.points)
     ]
-    points = [Asked(tuple(values.values()), spec.workspace.divisions) for values in line]
+    here = asked(design, spec.workspace.divisions)
+    points = [replace(here, values=tuple(values.values())) for values in line]
     found: list[Finding] = []
     errors: list[PluginError] = []
     notes: list[Note] = []

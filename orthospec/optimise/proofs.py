@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from orthospec.errors import PluginFault
 from orthospec.measures import Level
+from orthospec.optimise.objective import scale_is_asked
 from orthospec.optimise.space import DesignSpace, machine_of
 from orthospec.optimise.tasks import Task, machine_and_bounds
 from orthospec.optimise.workers import Workers, in_order
@@ -84,17 +85,13 @@ def proved(
 
     Where the search for a scale's upper end meets a larger cuboid, that is told and proved instead.
     """
-    found = [evaluation for _, evaluation in points]
+    designs, found = [design for design, _ in points], [evaluation for _, evaluation in points]
     for left in reversed(range(ENLARGED + 1)):
-        designs = [design for design, _ in points]
         found = _proved(workers, space, list(zip(designs, found, strict=True)), keys, progress, of)
-        if not left or not any(map(_larger_in, found)):
+        grown = [_enlarged(space, *point) for point in zip(designs, found, strict=True)] if left else found
+        if all(map(operator.is_, grown, found)):
             break
-        before = found
-        found = [_enlarged(space, *point) for point in zip(designs, found, strict=True)]
-        if all(map(operator.is_, before, found)):
-            break
-        of = (Prescribed, Largest)
+        found, of = grown, (Prescribed, Largest)
     return found
 
 
@@ -115,8 +112,9 @@ def _enlarged(space: DesignSpace, design: Design, evaluation: Evaluation) -> Eva
     machine = machine_of(design)
     known = {name: demand for name, demand in machine.demands.items() if name in evaluation.measures}
     machine = replace(machine, demands=known)
+    setting = replace(space.setting, grows=scale_is_asked(design.goals))
     try:
-        return enlarged(machine, space.setting, evaluation, larger, space.forms)
+        return enlarged(machine, setting, evaluation, larger, space.forms)
     except PluginFault:
         return evaluation
 

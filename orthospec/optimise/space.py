@@ -120,5 +120,4 @@ def setting_of(spec: Spec) -> Setting:
     """The spec's workspace."""
     asked = spec.workspace
     region = Cuboid(asked.region.min, asked.region.max) if asked.region is not None else None
-    grows = any("scale" in goal.expression.names for goal in spec.goals)
-    return Setting(np.array(asked.size), asked.divisions, region, asked.together, dict(spec.poses), grows)
+    return Setting(np.array(asked.size), asked.divisions, region, asked.together, dict(spec.poses))
