@@ -209,7 +209,7 @@ def _faulting(name: str, method: Callable[[Any, Any], Any]) -> Callable[[Any, An
         if lacks:
             raise PluginFault(type(self).__name__, f"{name} {lacks}")
         if name in _FIELDS:
-            _check_shape(self, name, value, argument)
+            _check_shape(self, name, value, len(argument))
         return value
 
     return faulting
@@ -277,18 +277,16 @@ _OWED: Mapping[str, Callable[[Any, Any, Any], str]] = {
 """What is wrong with what a method of a machine gives for its argument, in words; "" where nothing is."""
 
 
-def _check_shape(machine: Any, name: str, value: Any, poses: Any) -> None:
-    sizes = {"n": len(poses), "m": len(machine.joint_units), "d": len(machine.axes), "6": 6}
+def _check_shape(machine: Any, name: str, value: Any, n: int) -> None:
+    sizes = {"n": n, "m": len(machine.joint_units), "d": len(machine.axes), "6": 6}
     owed = tuple(sizes[axis] for axis in _FIELDS[name])
     array = value[0] if name == "inverse_kinematics" and isinstance(value, tuple) else value
     shape = getattr(array, "shape", None)
     if shape != owed:
         what = f"{name} gave shape {shape}" if shape is not None else f"{name} gave {type(array).__name__}"
         raise PluginFault(type(machine).__name__, f"{what}, not {owed}")
-    if name == "inverse_kinematics" and not _has_flags(value, len(poses)):
-        raise PluginFault(
-            type(machine).__name__, f"{name} gave no flags beside the joints: bools ({sizes['n']},)"
-        )
+    if name == "inverse_kinematics" and not _has_flags(value, n):
+        raise PluginFault(type(machine).__name__, f"{name} gave no flags beside the joints: bools ({n},)")
 
 
 def _has_flags(value: Any, n: int) -> bool:

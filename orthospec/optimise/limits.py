@@ -72,10 +72,9 @@ def find_limits(
     """
     fit = fit_finely(space, found.end, found.learnt)
     bindings = list(_bindings(fit, found))
-    if found.exhausted:
-        return tuple(sorted((binding.limit for binding in bindings), key=_order))
     shifts = [shift for binding in bindings for shift in (binding.loosened, binding.tightened)]
-    movable = list(dict.fromkeys(shift for shift in shifts if shift is not None and fit.problem.has_factor))
+    priced = fit.problem.has_factor and not found.exhausted
+    movable = list(dict.fromkeys(shift for shift in shifts if shift is not None and priced))
     moves = [_Move(found.end, found.learnt, shift) for shift in movable]
     factors: dict[_Shift | None, float | None] = dict(
         zip(movable, in_order(workers, PRICE, space, moves, progress), strict=True)

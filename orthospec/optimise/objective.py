@@ -120,13 +120,20 @@ class GoalObjective:
         }
         indices: dict[int | None, Mapping[str, float]] = {None: self._indices(machine, point, None)}
         indices |= {joint: self._indices(machine, point, joint) for joint in range(self._joints)}
+
+        def value(row: _Row, leader: int | None) -> float:
+            """A piece's; where it has none, as ``sqrt(x)`` of ``sqrt(max(0, x))``, that of the whole goal."""
+            f = _value(design, row.piece, indices[leader], point.scale, known)
+            whole = design.goals[row.goal].expression
+            return f if np.isfinite(f) else _value(design, whole, indices[leader], point.scale, known)
+
         found = []
         for row, weight in zip(self._rows, self._weights, strict=True):
             goal = design.goals[row.goal]
-            f = _piece_value(design, row, indices[row.leader], point.scale, known)
+            f = value(row, row.leader)
             if row.leader is not None:
                 # A goal that falls as ranges grow has no kink of this kind: its row may not be tightened.
-                f = min(f, _piece_value(design, row, indices[None], point.scale, known))
+                f = min(f, value(row, None))
             excess = row.sign * (f - goal.goal) - self._shifts.get(goal.name, 0.0)
             # A weight that varies with the design: its row is told as with the weight of where this began.
             found.append(excess * (weight / max(goal.weight, LEAST * weight)) if weight > 0 else excess)
@@ -155,19 +162,6 @@ def goal_values(design: Design, evaluation: Evaluation) -> dict[str, float]:
     return {
         goal.name: _value(design, goal.expression, evaluation.indices, scale, values) for goal in design.goals
     }
-
-
-def _piece_value(
-    design: Design,
-    row: _Row,
-    indices: Mapping[str, float],
-    scale: float,
-    extremes: Mapping[tuple[str, str], float],
-) -> float:
-    """A piece's value; where it has none, as ``sqrt(x)`` of ``sqrt(max(0, x))``, that of the whole goal."""
-    value = _value(design, row.piece, indices, scale, extremes)
-    whole = design.goals[row.goal].expression
-    return value if np.isfinite(value) else _value(design, whole, indices, scale, extremes)
 
 
 def _value(
